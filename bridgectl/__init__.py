@@ -1,0 +1,52 @@
+"""What a road does to a bridge, for control engineers: an extension of python-control.
+
+A heavy vehicle crosses a bridge; the dynamic amplification factor (DAF) is the peak bending
+moment over the peak static one. bridgectl gives the crossing as a control system, the DAF of
+a road, and the dynamic amplification estimate (DAE) of Li, OBrien and Gonzalez (2006): the
+DAF of a smooth road plus what each 100 mm ramp of the road adds.
+
+SI units throughout; speeds in m/s. Displacements are positive downward, road elevations
+positive upward.
+
+Examples
+--------
+>>> import numpy as np
+>>> import bridgectl as bc
+>>> beam, truck = bc.li2006.beam(), bc.li2006.car()
+>>> speeds = np.array([90, 100, 110]) / 3.6
+>>> road = bc.utia_road().place_bridge(678).crop(-200, 25).detrend().resample(0.1)
+>>> bc.daf(beam, truck, speeds, road, start=-200).round(3)
+array([0.975, 1.014, 1.041])
+>>> surface = bc.ramp_surface(beam, truck, speeds, approach=200)
+>>> surface.dae(road).round(3)
+array([0.89 , 1.007, 1.039])
+"""
+
+from bridgectl import li2006
+from bridgectl.beam import Beam
+from bridgectl.crossing import Crossing, crossing_system
+from bridgectl.dae import RampSurface, ramp_surface
+from bridgectl.response import LiftOffWarning, crossing_response, daf
+from bridgectl.road import ProfileFileError, RoadProfile, read_profile, utia_road
+from bridgectl.vehicle import QuarterCar, Vehicle, convoy
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Beam",
+    "Crossing",
+    "LiftOffWarning",
+    "ProfileFileError",
+    "QuarterCar",
+    "RampSurface",
+    "RoadProfile",
+    "Vehicle",
+    "convoy",
+    "crossing_response",
+    "crossing_system",
+    "daf",
+    "li2006",
+    "ramp_surface",
+    "read_profile",
+    "utia_road",
+]

@@ -1,0 +1,109 @@
+"""Argument checks that name the argument, say what was expected, and what to type instead."""
+
+from __future__ import annotations
+
+from numbers import Real
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.floating[Any]]
+
+
+def number(name: str, value: Any, *, unit: str = "") -> float:
+    """Return `value` as a finite float, or say which argument is not one."""
+    scalar = isinstance(value, Real) or (isinstance(value, np.ndarray) and value.ndim == 0)
+    if isinstance(value, bool) or not scalar:
+        raise TypeError(f"{name} must be one number{_in(unit)}, got {_short(value)}")
+    result = float(value)
+    if not np.isfinite(result):
+        raise ValueError(f"{name} must be finite{_in(unit)}, got {result}")
+    return result
+
+
+def positive(name: str, value: Any, *, unit: str = "") -> float:
+    """Return `value` as a float above zero."""
+    result = number(name, value, unit=unit)
+    if result <= 0:
+        raise ValueError(f"{name} must be above 0{_in(unit)}, got {result:g}")
+    return result
+
+
+def not_negative(name: str, value: Any, *, unit: str = "") -> float:
+    """Return `value` as a float of at least zero."""
+    result = number(name, value, unit=unit)
+    if result < 0:
+        raise ValueError(f"{name} must be 0 or more{_in(unit)}, got {result:g}")
+    return result
+
+
+def fraction(name: str, value: Any) -> float:
+    """Return `value` as a float strictly between 0 and 1."""
+    result = number(name, value)
+    if not 0 < result < 1:
+        raise ValueError(
+            f"{name} must lie between 0 and 1 (a fraction of the span, 0.5 for mid-span), "
+            f"got {result:g}"
+        )
+    return result
+
+
+def integer(name: str, value: Any, *, at_least: int) -> int:
+    """Return `value` as an int of at least `at_least`."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise TypeError(f"{name} must be a whole number, got {_short(value)}")
+    if value < at_least:
+        raise ValueError(f"{name} must be {at_least} or more, got {value}")
+    return int(value)
+
+
+def array(
+    name: str, value: ArrayLike, shape: tuple[int | None, ...], *, unit: str = ""
+) -> FloatArray:
+    """Return a read-only float copy of `value` of the given shape (None: any length)."""
+    try:
+        given = np.asarray(value)
+    except ValueError as error:  # rows of different lengths
+        raise TypeError(f"{name} must be an array of numbers{_in(unit)}: {error}") from None
+    if given.dtype.kind not in "iuf" and given.size > 0:
+        raise TypeError(f"{name} must be an array of numbers{_in(unit)}, got {_short(value)}")
+    result = np.array(given, dtype=np.float64)
+    expected = tuple("n" if size is None else size for size in shape)
+    if result.ndim != len(shape) or any(
+        want is not None and want != got for want, got in zip(shape, result.shape, strict=True)
+    ):
+        shown = "(" + ", ".join(map(str, expected)) + ("," if len(expected) == 1 else "") + ")"
+        raise ValueError(f"{name} must have shape {shown}, got {result.shape}")
+    if not np.all(np.isfinite(result)):
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
+        raise ValueError(f"{name} must be finite{_in(unit)}, got {result[where]} at index {where}")
+    result.flags.writeable = False
+    return result
+
+
+def speeds(value: ArrayLike) -> FloatArray:
+    """Return speeds as a 1-D array [m/s], all above zero."""
+    result = array("speeds", np.atleast_1d(np.asarray(value)), (None,), unit="m/s")
+    if result.size == 0:
+        raise ValueError("speeds must hold at least one speed in m/s, got an empty array")
+    if np.any(result <= 0):
+        raise ValueError(f"speeds must be above 0 m/s, got {result[result <= 0][0]:g}")
+    return result
+
+
+def choice(name: str, value: Any, allowed: tuple[str, ...]) -> str:
+    """Return `value` if it is one of the allowed words."""
+    if value not in allowed:
+        words = ", ".join(repr(word) for word in allowed)
+        raise ValueError(f"{name} must be one of {words}, got {_short(value)}")
+    return str(value)
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _in(unit: str) -> str:
+    return f" [{unit}]" if unit else ""

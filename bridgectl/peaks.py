@@ -1,0 +1,85 @@
+"""Peaks of histories that are sampled at the cells' starts and stages."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from bridgectl._checks import FloatArray
+from bridgectl.propagator import N_STAGES, SAMPLES
+
+_PER_CELL = N_STAGES + 1
+_FINE = np.linspace(0.0, 1.0, 33)
+_KNOTS = np.append(SAMPLES, 1.0)
+# Values on the fine grid of the quartic through a cell's start, stages and end.
+_TO_FINE = np.vander(_FINE, 5, increasing=True) @ np.linalg.inv(np.vander(_KNOTS, increasing=True))
+
+
+class Peaks(NamedTuple):
+    """Largest values of some histories and where they are."""
+
+    values: FloatArray
+    cells: np.ndarray
+    fractions: FloatArray
+
+    def positions(self, nodes: FloatArray) -> FloatArray:
+        """Position of each peak, for the nodes of the cells [m]."""
+        return np.asarray(
+            nodes[self.cells] + self.fractions * (nodes[self.cells + 1] - nodes[self.cells])
+        )
+
+
+def find_peaks(histories: FloatArray) -> Peaks:
+    """Find the largest value of each history, between the samples too.
+
+    A history may have kinks at the nodes and is smooth within a cell, where the quartic
+    through its five samples stands for it.
+
+    Parameters
+    ----------
+    histories : ndarray, shape (4 n_cells + 1, n_histories)
+        Values at `bridgectl.propagator.sample_positions`.
+
+    Returns
+    -------
+    Peaks
+        Arrays of shape (n_histories,).
+    """
+    first, middle, last = (histories[i::_PER_CELL] for i in range(1, _PER_CELL))
+    # Between samples a smooth history rises above them by an eighth of its second difference;
+    # twice that is the margin within which another cell may hold the peak.
+    margin = np.abs(first - 2 * middle + last).max(axis=0) / 4
+    enough = histories.max(axis=0) - margin
+    # Few samples come near any history's peak: look for those of each history among them.
+    high = np.nonzero(histories.max(axis=1) >= enough.min())[0]
+    samples, columns = np.nonzero(histories[high] >= enough)
+    samples = high[samples]
+    cells = samples // _PER_CELL
+    n_cells = (len(histories) - 1) // _PER_CELL
+    # A sample at a node belongs to the cells on both its sides.
+    at_node = samples % _PER_CELL == 0
+    cells = np.concatenate([cells, cells[at_node] - 1])
+    columns = np.concatenate([columns, columns[at_node]])
+    inside = (cells >= 0) & (cells < n_cells)
+    pairs = np.unique(cells[inside] * histories.shape[1] + columns[inside])
+    cells, columns = np.divmod(pairs, histories.shape[1])
+
+    around = histories[_PER_CELL * cells + np.arange(_PER_CELL + 1)[:, np.newaxis], columns]
+    values, fractions = _quartic_peaks(around)
+    order = np.lexsort((values, columns))
+    best = order[np.searchsorted(columns[order], np.arange(histories.shape[1]), side="right") - 1]
+    return Peaks(values[best], cells[best], fractions[best])
+
+
+def _quartic_peaks(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Peak and its place in [0, 1] of quartics given by five samples, shape (5, n)."""
+    fine = _TO_FINE @ samples
+    top, each = fine.argmax(axis=0), np.arange(samples.shape[1])
+    inner = np.clip(top, 1, len(_FINE) - 2)
+    before, at, after = (fine[inner + shift, each] for shift in (-1, 0, 1))
+    bend = before - 2 * at + after
+    curved = (bend < 0) & (top == inner)
+    shift = np.divide(before - after, 2 * bend, out=np.zeros_like(bend), where=curved)
+    values = fine[top, each] - np.where(curved, (before - after) * shift / 4, 0.0)
+    return values, _FINE[top] + shift * _FINE[1]

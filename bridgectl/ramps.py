@@ -1,0 +1,299 @@
+"""Moment histories of unit ramps, in factored form.
+
+The road's slope over one ramp, a pulse, leaves a free response behind. A crossing is cut
+into blocks of cells: within a block the response to each of its few ramps is kept as it is;
+beyond it, a ramp lives on in the states it leaves at the block's end, and every later
+moment is a row times those states. All histories of a speed come from one propagation, and
+no transition matrix is ever inverted, so stiff or heavily damped vehicles are no different.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridgectl._checks import FloatArray
+from bridgectl.propagator import N_STAGES, SAME_PLACE, SAMPLES, Cells, build_cells
+from bridgectl.response import Run, speed_batches
+
+
+class Histories(Protocol):
+    """Moment histories of a smooth road and of ramps, which superpose."""
+
+    @property
+    def nodes(self) -> FloatArray:
+        """Positions of the reference tire at the ends of the cells on the bridge [m]."""
+        ...
+
+    @property
+    def smooth(self) -> FloatArray:
+        """Normalized moment on a smooth road at the samples, shape (n_speeds, n_samples)."""
+        ...
+
+    def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
+        """Normalized moment beyond the smooth road's at one speed, at the samples.
+
+        Parameters
+        ----------
+        speed : int
+            Index of the speed.
+        drops : ndarray, shape (n_ramps, n_roads), or float
+            Height of every ramp of each road, positive for a drop [m]. One number: each ramp
+            on its own, that high.
+
+        Returns
+        -------
+        ndarray, shape (n_samples, n_roads) or (n_samples, n_ramps)
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class DenseHistories:
+    """Histories kept one by one, as simulating every ramp gives them.
+
+    `smooth` has shape (n_speeds, n_samples), `unit` (n_speeds, n_samples, n_ramps) for ramps
+    1 m high.
+    """
+
+    nodes: FloatArray
+    smooth: FloatArray
+    unit: FloatArray
+
+    def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
+        """See `Histories.moments`."""
+        unit = self.unit[speed]
+        return unit @ drops if isinstance(drops, np.ndarray) else unit * drops
+
+
+@dataclass(frozen=True)
+class FactoredHistories:
+    """Histories as products of rows and states, block by block.
+
+    Axis names: S speeds, B blocks, T samples in a block, N ramps, L ramps at work in a block,
+    n states: vehicle, beam, and the road under each tire.
+
+    Attributes
+    ----------
+    nodes : ndarray
+        Positions of the reference tire at the ends of the cells on the bridge [m].
+    smooth : ndarray, shape (S, n_samples)
+        Normalized moment on a smooth road.
+    entry : ndarray, shape (S, n, N)
+        States as the reference tire reaches the bridge.
+    local : ndarray of int, shape (B, L)
+        The ramps at work in each block; N where there are fewer.
+    carried, added : ndarray, shapes (S, B, n, n) and (S, B, n, L)
+        States at a block's end from those at its start and from its ramps.
+    rows, direct : ndarray, shapes (S, B, T, n) and (S, B, T, L)
+        Normalized moment at the samples of a block, likewise.
+    """
+
+    nodes: FloatArray
+    smooth: FloatArray
+    entry: FloatArray
+    local: NDArray[np.intp]
+    carried: FloatArray
+    added: FloatArray
+    rows: FloatArray
+    direct: FloatArray
+
+    def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
+        """See `Histories.moments`."""
+        if isinstance(drops, np.ndarray):
+            return self._of_roads(speed, drops)
+        # One more column takes what the unused places of `local` bring.
+        states = np.pad(self.entry[speed] * drops, ((0, 0), (0, 1)))
+        result = np.empty((*self.rows.shape[1:3], states.shape[1]))
+        for block, local in enumerate(self.local):
+            np.matmul(self.rows[speed, block], states, out=result[block])
+            result[block][:, local] += self.direct[speed, block] * drops
+            states = self.carried[speed, block] @ states
+            states[:, local] += self.added[speed, block] * drops
+        return result.reshape(-1, states.shape[1])[: self.smooth.shape[1], :-1]
+
+    def _of_roads(self, speed: int, drops: FloatArray) -> FloatArray:
+        states = self.entry[speed] @ drops
+        drops = np.pad(drops, ((0, 1), (0, 0)))
+        result = np.empty((*self.rows.shape[1:3], drops.shape[1]))
+        for block, local in enumerate(self.local):
+            here = drops[local]
+            np.matmul(self.rows[speed, block], states, out=result[block])
+            result[block] += self.direct[speed, block] @ here
+            states = self.carried[speed, block] @ states + self.added[speed, block] @ here
+        return result.reshape(-1, drops.shape[1])[: self.smooth.shape[1]]
+
+
+def factor_histories(
+    run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int
+) -> FactoredHistories:
+    """Propagate all ramps of a crossing at once.
+
+    The ramps start at ``run.start``, `ramp_length` apart.
+    """
+    nodes = run.nodes(float(speeds.min()))
+    entry = int(np.searchsorted(nodes, -SAME_PLACE))
+    before, nodes = nodes[: entry + 1], nodes[entry:]
+    # About as many blocks as cells in a block: both loops are then short. One cell more than
+    # there are holds the last node's sample.
+    per_block = max(1, round(np.sqrt(len(nodes))))
+    n_blocks = -(-len(nodes) // per_block)
+    nodes = np.pad(nodes, (0, n_blocks * per_block + 1 - len(nodes)), mode="edge")
+    at_work = _ramps_of_cells(run, nodes, ramp_length, n_ramps)
+    local, place = _local_ramps(at_work.reshape(n_blocks, -1), n_ramps)
+    share = np.diff(nodes) / ramp_length
+    rises = _block_rises(place.reshape(n_blocks, per_block, -1), share, local.shape[1] + 1)
+
+    parts = []
+    for batch in speed_batches(run, speeds):
+        cells = build_cells(run.crossing, speeds[batch], nodes, on_bridge=True)
+        arrived = _entry_states(run, speeds[batch], before, ramp_length, n_ramps)
+        parts.append(_factor_blocks(run, cells, rises, arrived))
+    smooth, entries, carried, added, rows, direct = (
+        np.concatenate(arrays) for arrays in zip(*parts, strict=True)
+    )
+    n_samples = len(SAMPLES) * (len(nodes) - 2) + 1
+    return FactoredHistories(
+        nodes[:-1], smooth[:, :n_samples], entries, local, carried, added, rows, direct
+    )
+
+
+def _ramps_of_cells(
+    run: Run, nodes: FloatArray, ramp_length: float, n_ramps: int
+) -> NDArray[np.intp]:
+    """Index of the ramp under each tire in each cell; n_ramps where there is none, (C, tires)."""
+    middles = run.crossing.tire_positions((nodes[:-1] + nodes[1:]) / 2)
+    index = np.floor((middles - run.start) / ramp_length).astype(np.intp)
+    none = (index < 0) | (index >= n_ramps) | (np.diff(nodes) == 0)[:, np.newaxis]
+    return np.where(none, n_ramps, index)
+
+
+def _local_ramps(
+    at_work: NDArray[np.intp], n_ramps: int
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The different ramps of each block (B, L), and where in them each entry of it is.
+
+    Entries without a ramp point past the end, to place L.
+    """
+    ramps = [np.setdiff1d(row, [n_ramps]) for row in at_work]
+    width = max(1, *(len(row) for row in ramps))
+    local = np.full((len(ramps), width), n_ramps)
+    place = np.full(at_work.shape, width)
+    for block, (row, found) in enumerate(zip(at_work, ramps, strict=True)):
+        local[block, : len(found)] = found
+        real = row < n_ramps
+        place[block, real] = np.searchsorted(found, row[real])
+    return local, place
+
+
+def _block_rises(place: NDArray[np.intp], share: FloatArray, n_places: int) -> FloatArray:
+    """Rise under each tire in each cell per height of the block's ramps.
+
+    `place` has shape (B, K, tires), the result (B, K, tires, n_places - 1).
+    """
+    rises = np.zeros((*place.shape, n_places))
+    share = np.broadcast_to(share.reshape(*place.shape[:2], 1, 1), (*place.shape, 1))
+    np.put_along_axis(rises, place[..., np.newaxis], share, axis=-1)
+    return rises[..., :-1]
+
+
+def _entry_states(
+    run: Run, speeds: FloatArray, nodes: FloatArray, ramp_length: float, n_ramps: int
+) -> FloatArray:
+    """States and road under the tires at the bridge, per height of each ramp before it."""
+    crossing, n = run.crossing, run.crossing.n_vehicle
+    n_tires = crossing.linear.n_tires
+    n_states = crossing.n_states + n_tires
+    states = np.zeros((len(speeds), n_states, n_ramps + 1))
+    if len(nodes) > 1:
+        cells = build_cells(crossing, speeds, nodes, on_bridge=False)
+        step, from_road = cells.transition()
+        at_work = _ramps_of_cells(run, nodes, ramp_length, n_ramps)
+        share = np.diff(nodes) / ramp_length
+        # Backwards from the bridge, what follows a cell acts on what it adds: on the vehicle
+        # states and on the road that it leaves under the tires.
+        after = np.broadcast_to(np.eye(n, n + n_tires), (len(speeds), n, n + n_tires))
+        for c in range(len(share) - 1, -1, -1):
+            kind = cells.map_of[c]
+            add = after[..., :n] @ from_road[:, kind, :, n_tires + 1 :] + after[..., n:]
+            for tire, ramp in enumerate(at_work[c]):
+                states[:, :n, ramp] += share[c] * add[..., tire]
+                states[:, crossing.n_states + tire, ramp] += share[c]
+            road = after[..., :n] @ from_road[:, kind, :, :n_tires] + after[..., n:]
+            after = np.concatenate([after[..., :n] @ step[:, kind], road], axis=-1)
+    return states[..., :-1]
+
+
+def _factor_blocks(
+    run: Run, cells: Cells, rises: FloatArray, entry: FloatArray
+) -> tuple[FloatArray, ...]:
+    """Run through all blocks at once, from unit states, unit ramps and the static loads."""
+    crossing, n = run.crossing, cells.n_states
+    n_blocks, per_block, n_tires, n_local = rises.shape
+    n_speeds, n_carried = len(cells.free), n + n_tires
+    by_block = (n_blocks, per_block)
+    # Columns: states, road under the tires, ramps of the block, static loads.
+    n_columns = n_carried + n_local + 1
+    heights = np.zeros((*by_block, n_tires, n_columns))
+    heights[..., np.arange(n_tires), n + np.arange(n_tires)] = 1.0
+    heights[:, 1:, :, n_carried:-1] = np.cumsum(rises, axis=1)[:, :-1]
+    road = np.zeros((*by_block, 2 * n_tires + 1, n_columns))
+    road[:, :, :n_tires] = heights
+    road[:, :, n_tires, -1] = 1.0
+    road[:, :, n_tires + 1 :, n_carried:-1] = rises
+
+    states = np.zeros((n_speeds, n_blocks, n, n_columns))
+    states[:, :, np.arange(n), np.arange(n)] = 1.0
+    moments = np.empty((n_speeds, *by_block, len(SAMPLES), n_columns))
+    node_rows, node_road = _node_moment_rows(run, cells)
+    node_rows, node_road = node_rows.reshape(*by_block, n), node_road.reshape(*by_block, -1)
+    kinds = cells.kind.reshape(by_block)
+    maps = np.arange(n_blocks * per_block).reshape(by_block)
+    beam, q = crossing.n_vehicle, N_STAGES * n_tires
+    for k in range(per_block):
+        kind, cell = kinds[:, k], maps[:, k]
+        stages = cells.from_states[:, cell] @ states + cells.from_road[:, cell] @ road[:, k]
+        moments[:, :, k, 0] = np.einsum("bi,sbiz->sbz", node_rows[:, k], states)
+        moments[:, :, k, 0] += np.einsum("bi,biz->bz", node_road[:, k], road[:, k])
+        moments[:, :, k, 1:] = cells.moment_from_states[:, kind] @ states[:, :, beam:]
+        moments[:, :, k, 1:] += cells.moment_from_forces[:, cell] @ stages[:, :, :q]
+        states = cells.free[:, kind, N_STAGES] @ states + cells.inputs[:, cell] @ stages
+
+    ends = np.zeros((n_speeds, n_blocks, n_carried, n_columns))
+    ends[:, :, :n] = states
+    ends[:, :, n:, n:n_carried] = np.eye(n_tires)
+    ends[:, :, n:, n_carried:-1] = rises.sum(axis=1)
+    moments = moments.reshape(n_speeds, n_blocks, -1, n_columns)
+    smooth, now = [], np.zeros((n_speeds, n_carried))
+    for block in range(n_blocks):
+        smooth.append(moments[:, block, :, -1])
+        smooth[-1] += np.einsum("sti,si->st", moments[:, block, :, :n_carried], now)
+        now = np.einsum("sij,sj->si", ends[:, block, :, :n_carried], now) + ends[:, block, :, -1]
+    return (
+        np.concatenate(smooth, axis=1),
+        entry,
+        ends[..., :n_carried],
+        ends[..., n_carried:-1],
+        moments[..., :n_carried],
+        moments[..., n_carried:-1],
+    )
+
+
+def _node_moment_rows(run: Run, cells: Cells) -> tuple[FloatArray, FloatArray]:
+    """Moment at each cell's start from the states and from the road rows."""
+    crossing, vehicle = run.crossing, run.crossing.linear
+    starts = cells.nodes[:-1]
+    gain, row = crossing.moment_rows(starts)
+    spring = gain * vehicle.tire_stiffnesses
+    from_states = np.zeros((len(starts), cells.n_states))
+    from_states[:, : crossing.n_vehicle] = spring @ vehicle.hubs
+    deflections = np.einsum("ck,ckj->cj", spring, crossing.tire_shapes(starts))
+    from_states[:, crossing.n_vehicle :] = row
+    from_states[:, crossing.n_vehicle :: 2] -= deflections
+    from_road = np.zeros((len(starts), 2 * vehicle.n_tires + 1))
+    from_road[:, : vehicle.n_tires] = -spring
+    from_road[:, vehicle.n_tires] = gain @ vehicle.static_loads
+    return from_states, from_road

@@ -1,0 +1,450 @@
+"""One crossing after another: the reference path, the propagator path, and their DAF.
+
+The reference path is `control.input_output_response` on the crossing's control system, with
+tight tolerances. The propagator path (`bridgectl.propagator`) gives the same histories a
+thousand times faster. Both sample the crossing at the same places.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import control
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bridgectl import _checks
+from bridgectl._checks import FloatArray
+from bridgectl.beam import Beam
+from bridgectl.crossing import Crossing
+from bridgectl.peaks import find_peaks
+from bridgectl.propagator import (
+    MAX_WIDTH,
+    N_STAGES,
+    SAME_PLACE,
+    Cells,
+    build_cells,
+    cell_nodes,
+    merge_places,
+    road_rows,
+    sample_positions,
+)
+from bridgectl.road import RoadProfile
+from bridgectl.vehicle import QuarterCar, Vehicle
+
+METHODS = ("propagator", "control")
+
+REFERENCE_TOLERANCES = {"rtol": 1e-9, "atol": 1e-13}
+"""Tolerances of the reference path; the states are metres, deflections about 1e-4 of one."""
+
+LIFT_OFF = 1e-9
+"""Fraction of its static load by which a tire force may be negative through round-off."""
+
+BATCH_BYTES = 64e6
+"""Memory that the maps of the speeds treated at once may take."""
+
+
+class LiftOffWarning(UserWarning):
+    """A tire leaves the road: the crossing is not linear, and superposition not exact."""
+
+
+class Run(NamedTuple):
+    """A crossing to simulate: where it starts and ends, and the road."""
+
+    crossing: Crossing
+    start: float
+    end: float
+    profile: RoadProfile | None
+
+    def nodes(self, slowest: float, refine: int = 1) -> FloatArray:
+        """Nodes of the cells: see `cell_nodes`."""
+        stations = np.zeros(0)
+        if self.profile is not None:
+            # The road before the start is level: it has a kink there.
+            stations = np.append(self.profile.x[self.profile.x > self.start], self.start)
+        return cell_nodes(self.crossing, slowest, self.start, self.end, stations, refine)
+
+    def road(self, x: FloatArray) -> FloatArray:
+        """Road r under each tire for the reference tire at x, positive downward [m]."""
+        tires = self.crossing.tire_positions(x)
+        return (
+            np.zeros_like(tires) if self.profile is None else self.profile.drop(tires, self.start)
+        )
+
+
+class Stretch(NamedTuple):
+    """The approach or the bridge, simulated: `Cells.propagate` for one road.
+
+    `road` has shape (C + 1, n_tires), `states` (S, C + 1, n), `stages` (S, C, 2 q).
+    """
+
+    cells: Cells
+    road: FloatArray
+    states: FloatArray
+    stages: FloatArray
+
+
+def prepare(
+    crossing: Crossing, profile: RoadProfile | None, start: float, tail: float = 0.0
+) -> Run:
+    """Check where a crossing starts and that its road covers it."""
+    start = _checks.number("start", start, unit="m")
+    if start > 0:
+        raise ValueError(
+            f"start must be 0 m (the start of the bridge) or negative (the approach), got {start:g}"
+        )
+    if profile is not None:
+        if not isinstance(profile, RoadProfile):
+            raise TypeError(
+                f"profile must be a bridgectl.RoadProfile, got {type(profile).__name__}: "
+                "type RoadProfile(x, elevation) or read_profile(path)"
+            )
+        profile.require(start, crossing.beam.length, "the crossing")
+    after = _checks.not_negative("tail", tail, unit="s") * crossing.speed
+    return Run(crossing, start, crossing.exit + after, profile)
+
+
+def crossing_response(
+    beam: Beam,
+    vehicle: Vehicle | QuarterCar,
+    speed: float,
+    profile: RoadProfile | None = None,
+    *,
+    start: float = 0.0,
+    section: float = 0.5,
+    recovery: str = "exact",
+    method: str = "propagator",
+    tail: float = 0.0,
+    timepts: ArrayLike | None = None,
+) -> control.TimeResponseData:
+    """Simulate one crossing.
+
+    Time is zero when the reference tire is at the start of the bridge. At `start` the
+    vehicle is in equilibrium on a level road that continues the profile backwards.
+
+    Parameters
+    ----------
+    beam, vehicle, speed, section, recovery
+        See `Crossing`.
+    profile : RoadProfile, optional
+        The road, covering `start` to the end of the bridge; level beyond its end. Default:
+        a smooth road.
+    start : float, optional
+        Where the vehicle starts [m]: 0, or negative for a start on the approach.
+    method : {'propagator', 'control'}, optional
+        The fast path, or `control.input_output_response` with tight tolerances.
+    tail : float, optional
+        Time of free vibration after the last tire has left the bridge [s].
+    timepts : array_like, optional
+        Times of the response [s], increasing, within the crossing. Default: the
+        samples of the propagator's cells, dense enough for every motion; a kink of the
+        moment is always a sample.
+
+    Returns
+    -------
+    control.TimeResponseData
+        Outputs as in `crossing_system`: 'moment' (over the peak static moment),
+        'deflection' [m], 'tire_force' [N], ... Inputs: the road r, positive downward, and
+        the force of each controlled damper, zero here.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter has the wrong kind, shape or range, or the road does not cover the
+        approach and the bridge.
+
+    Warns
+    -----
+    LiftOffWarning
+        If a tire leaves the road; the response then has R = 0 in flight, by the 'control'
+        method.
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eqs. (1)-(8).
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> beam, car = bc.li2006.beam(), bc.li2006.car()
+    >>> response = bc.crossing_response(beam, car, speed=110 / 3.6, recovery="li2006")
+    >>> print(f"{response.outputs['moment'].max():.4f}")
+    1.1302
+    """
+    crossing = Crossing(beam, vehicle, speed, section, recovery)
+    _checks.choice("method", method, METHODS)
+    run = prepare(crossing, profile, start, tail)
+    nodes = run.nodes(crossing.speed, refine=4)
+    keep = np.arange(len(nodes))
+    if timepts is not None:
+        asked = _times(timepts, run) * crossing.speed
+        nodes = merge_places(np.concatenate([asked, nodes]))
+        keep = np.searchsorted(nodes, asked - SAME_PLACE)
+    if method == "propagator":
+        stretches = propagate(run, np.array([crossing.speed]), nodes)
+        if not lifts_off(crossing, stretches)[0]:
+            return _as_response(run, nodes, keep, *_at_nodes(crossing, stretches))
+    reference = _reference(run, nodes)
+    states, forces = np.asarray(reference.states), _forces_of(crossing, reference)
+    flight = first_flight(nodes, forces)
+    if flight is not None:
+        warnings.warn(
+            f"a tire leaves the road, first with the reference tire at x = {flight:.2f} m: "
+            "simulated with R >= 0; the crossing is not linear there",
+            LiftOffWarning,
+            stacklevel=2,
+        )
+    return _as_response(run, nodes, keep, states, forces)
+
+
+def daf(
+    beam: Beam,
+    vehicle: Vehicle | QuarterCar,
+    speeds: ArrayLike,
+    profile: RoadProfile | None = None,
+    *,
+    start: float = 0.0,
+    section: float = 0.5,
+    recovery: str = "exact",
+    method: str = "propagator",
+) -> FloatArray:
+    """Dynamic amplification factor: the peak moment over the peak static moment.
+
+    Parameters
+    ----------
+    beam, vehicle, section, recovery
+        See `Crossing`.
+    speeds : float or array_like
+        Speeds c [m/s].
+    profile, start, method
+        See `crossing_response`.
+
+    Returns
+    -------
+    ndarray, shape (n_speeds,)
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `crossing_response`.
+
+    Warns
+    -----
+    LiftOffWarning
+        If a tire leaves the road at some speeds, which are then simulated with R >= 0.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> beam, car = bc.li2006.beam(), bc.li2006.car()
+    >>> bc.daf(beam, car, [50 / 3.6, 110 / 3.6], recovery="li2006").round(4)
+    array([1.0551, 1.1302])
+    """
+    c = _checks.speeds(speeds)
+    crossing = Crossing(beam, vehicle, float(c[0]), section, recovery)
+    _checks.choice("method", method, METHODS)
+    run = prepare(crossing, profile, start)
+    result = np.empty(c.size)
+    linear = np.zeros(c.size, dtype=bool)
+    if method == "propagator":
+        for batch in speed_batches(run, c):
+            stretches = propagate(run, c[batch], run.nodes(c[batch].min()))
+            bridge = stretches[-1]
+            result[batch] = find_peaks(moment_samples(crossing, bridge).T).values
+            linear[batch] = ~lifts_off(crossing, stretches)
+    flights = {}
+    for i in np.nonzero(~linear)[0]:
+        at_speed = run._replace(crossing=replace(crossing, speed=float(c[i])))
+        result[i], flight = _reference_peak(at_speed)
+        if flight is not None:
+            flights[float(c[i])] = flight
+    if flights:
+        warnings.warn(
+            f"a tire leaves the road at {len(flights)} of {c.size} speeds, the slowest "
+            f"{min(flights) * 3.6:.0f} km/h, the first place x = {min(flights.values()):.1f} m: "
+            "simulated there with R >= 0",
+            LiftOffWarning,
+            stacklevel=2,
+        )
+    return result
+
+
+def speed_batches(run: Run, speeds: FloatArray) -> Iterator[slice]:
+    """Slices of the speeds whose maps fit in memory together."""
+    crossing, stages = run.crossing, 2 * N_STAGES * run.crossing.linear.n_tires
+    cells = len(run.nodes(float(speeds.min())))
+    bytes_per_speed = 8 * cells * stages * (4 * crossing.n_states + stages)
+    size = max(1, int(BATCH_BYTES / bytes_per_speed))
+    return (slice(i, i + size) for i in range(0, len(speeds), size))
+
+
+def propagate(run: Run, speeds: FloatArray, nodes: FloatArray) -> list[Stretch]:
+    """Simulate the linear crossing: the approach if there is one, then the bridge."""
+    crossing, entry = run.crossing, int(np.searchsorted(nodes, -SAME_PLACE))
+    initial = np.zeros((len(speeds), crossing.n_states, 1))
+    stretches = []
+    if entry > 0:
+        cells = build_cells(crossing, speeds, nodes[: entry + 1], on_bridge=False)
+        approach = _through(run, cells, initial[:, : crossing.n_vehicle])
+        initial[:, : crossing.n_vehicle, 0] = approach.states[:, -1]
+        stretches.append(approach)
+    cells = build_cells(crossing, speeds, nodes[entry:], on_bridge=True)
+    return [*stretches, _through(run, cells, initial)]
+
+
+def _through(run: Run, cells: Cells, initial: FloatArray) -> Stretch:
+    road = run.road(cells.nodes)
+    states, stages = cells.propagate(road_rows(road)[..., np.newaxis], initial)
+    return Stretch(cells, road, states[..., 0], stages[..., 0])
+
+
+def moment_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
+    """Normalized moment at `sample_positions` of the bridge's cells, (S, n_samples)."""
+    cells, n = bridge.cells, crossing.n_vehicle
+    per_force, per_state = crossing.moment_rows(cells.nodes)
+    forces = _node_forces(crossing, bridge)
+    at_nodes = np.einsum("ck,sck->sc", per_force, forces) + bridge.states[:, :, n:] @ per_state
+    rows = cells.moment_from_states[:, cells.kind]
+    at_stages = np.einsum("scmi,sci->scm", rows, bridge.states[:, :-1, n:])
+    at_stages += np.einsum(
+        "scmq,scq->scm",
+        cells.moment_from_forces,
+        bridge.stages[..., : bridge.stages.shape[-1] // 2],
+    )
+    inner = np.concatenate([at_nodes[:, :-1, np.newaxis], at_stages], axis=2)
+    return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
+
+
+def lifts_off(crossing: Crossing, stretches: list[Stretch]) -> NDArray[np.bool_]:
+    """At which speeds some tire would have to pull, shape (S,)."""
+    least = np.full(len(stretches[0].states), np.inf)
+    for stretch in stretches:
+        at_nodes = _node_forces(crossing, stretch) / crossing.linear.static_loads
+        at_stages = stretch.stages[..., : stretch.stages.shape[-1] // 2]
+        loads = np.tile(crossing.linear.static_loads, N_STAGES)
+        least = np.minimum(least, at_nodes.min(axis=(1, 2)))
+        least = np.minimum(least, (at_stages / loads).min(axis=(1, 2)))
+    return np.asarray(least < -LIFT_OFF)
+
+
+def _node_forces(crossing: Crossing, stretch: Stretch) -> FloatArray:
+    """Tire forces at the nodes, shape (S, C + 1, n_tires)."""
+    n, states = crossing.n_vehicle, stretch.states
+    deflections = np.zeros(1)
+    if states.shape[-1] > n:
+        shapes = crossing.tire_shapes(stretch.cells.nodes)
+        deflections = np.einsum("ckj,scj->sck", shapes, states[:, :, n::2])
+    return crossing.tire_forces(
+        states[:, :, :n] @ crossing.linear.hubs.T, deflections, stretch.road
+    )
+
+
+def _at_nodes(crossing: Crossing, stretches: list[Stretch]) -> tuple[FloatArray, FloatArray]:
+    """States and tire forces of one speed at all nodes, shapes (n, m) and (n_tires, m)."""
+    states, forces = [], []
+    for stretch in stretches:
+        # The last node of the approach is the first on the bridge.
+        upto = None if stretch is stretches[-1] else -1
+        padded = np.zeros((len(stretch.cells.nodes), crossing.n_states))
+        padded[:, : stretch.states.shape[-1]] = stretch.states[0]
+        states.append(padded[:upto])
+        forces.append(_node_forces(crossing, stretch)[0, :upto])
+    return np.concatenate(states).T, np.concatenate(forces).T
+
+
+def linear_contact(run: Run, speeds: FloatArray) -> NDArray[np.bool_]:
+    """At which speeds every tire stays on the road throughout, shape (S,)."""
+    contact = np.empty(len(speeds), dtype=bool)
+    for batch in speed_batches(run, speeds):
+        nodes = run.nodes(float(speeds[batch].min()))
+        contact[batch] = ~lifts_off(run.crossing, propagate(run, speeds[batch], nodes))
+    return contact
+
+
+def reference_moments(run: Run, positions: FloatArray) -> FloatArray:
+    """Normalized moment at positions by the reference path, shape (m,)."""
+    # The simulation starts on the approach, whatever positions are asked for.
+    nodes = merge_places(np.concatenate([run.nodes(run.crossing.speed), positions]))
+    response = _reference(run, nodes)
+    return np.asarray(response.outputs[0])[np.searchsorted(nodes, positions - SAME_PLACE)]
+
+
+def _reference(run: Run, positions: FloatArray) -> control.TimeResponseData:
+    """Simulate with `control.input_output_response`, the tires kept from pulling."""
+    crossing = run.crossing
+    road = run.road(positions)
+    inputs = np.zeros((len(crossing.input_labels), len(positions)))
+    inputs[: road.shape[1]] = road.T
+    # No step is longer than a cell, so that no ramp is stepped over.
+    longest = MAX_WIDTH / crossing.speed
+    return control.input_output_response(
+        crossing.system(),
+        positions / crossing.speed,
+        inputs,
+        np.zeros(crossing.n_states),
+        solve_ivp_method="DOP853",
+        solve_ivp_kwargs={**REFERENCE_TOLERANCES, "max_step": longest},
+        squeeze=False,
+    )
+
+
+def _reference_peak(run: Run) -> tuple[float, float | None]:
+    """DAF by the reference path, and where a tire first leaves the road."""
+    positions = sample_positions(run.nodes(run.crossing.speed))
+    response = _reference(run, positions)
+    flight = first_flight(positions, _forces_of(run.crossing, response))
+    return float(find_peaks(np.asarray(response.outputs[:1]).T).values[0]), flight
+
+
+def _forces_of(crossing: Crossing, response: control.TimeResponseData) -> FloatArray:
+    first = crossing.output_labels.index("deflection") + 1
+    return np.asarray(response.outputs[first : first + crossing.linear.n_tires])
+
+
+def first_flight(positions: FloatArray, forces: FloatArray) -> float | None:
+    """Where a tire first has no contact, forces of shape (n_tires, m) [m]."""
+    flying = np.nonzero((forces <= 0.0).any(axis=0))[0]
+    return float(positions[flying[0]]) if flying.size else None
+
+
+def _as_response(
+    run: Run, nodes: FloatArray, keep: NDArray[np.intp], states: FloatArray, forces: FloatArray
+) -> control.TimeResponseData:
+    crossing, positions = run.crossing, nodes[keep]
+    states, forces, time = states[:, keep], forces[:, keep], positions / crossing.speed
+    damper = np.zeros((len(crossing.linear.damper_map), len(positions)))
+    return control.TimeResponseData(
+        time,
+        crossing.outputs(time, states, forces, damper),
+        states,
+        np.vstack([run.road(positions).T, damper]),
+        issiso=False,
+        output_labels=crossing.output_labels,
+        state_labels=crossing.state_labels,
+        input_labels=crossing.input_labels,
+        sysname="crossing",
+        title=f"Crossing at {crossing.speed * 3.6:g} km/h",
+        params={
+            "speed": crossing.speed,
+            "section": crossing.section,
+            "recovery": crossing.recovery,
+            "start": run.start,
+        },
+    )
+
+
+def _times(timepts: ArrayLike, run: Run) -> FloatArray:
+    times = _checks.array("timepts", timepts, (None,), unit="s")
+    first, last = run.start / run.crossing.speed, run.end / run.crossing.speed
+    slack = SAME_PLACE / run.crossing.speed
+    if times.size < 2 or np.any(np.diff(times) <= 0):
+        raise ValueError("timepts must hold two or more increasing times [s]")
+    if times[0] < first - slack or times[-1] > last + slack:
+        raise ValueError(
+            f"timepts must lie within the crossing, {first:g} s to {last:g} s, "
+            f"got {times[0]:g} s to {times[-1]:g} s"
+        )
+    return times

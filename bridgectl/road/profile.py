@@ -1,0 +1,395 @@
+"""The road profile: elevation over station, and the ramps a tire meets on it.
+
+A profile holds the elevation z, positive *up*, as road files and ISO 8608 do. The equations of the
+crossing use the paper's r, positive *down* (Eq. 2). The sign changes in `RoadProfile.drop` and
+nowhere else; `RoadProfile.ramps` gives the differences of that r.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import ArrayLike, NDArray
+
+from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["MAX_SLOPE", "Ramps", "RoadProfile", "first_too_steep", "first_unsorted"]
+
+MAX_SLOPE = 1.0  # [m/m]; no road climbs at 45 degrees, but millimetres read as metres do
+TOLERANCE = 1e-9  # [m]; stations closer than this are one place, apart only by round-off
+MAX_ORDER = 20  # least-squares polynomials of higher order lose their digits
+
+
+class Ramps(NamedTuple):
+    """A road cut into n ramps of equal length."""
+
+    positions: FloatArray
+    """Station x_i where each ramp starts [m], shape (n,)."""
+    heights: FloatArray
+    """Drop over each ramp, r(x_i + length) - r(x_i) [m], positive downward, shape (n,)."""
+
+
+class RoadProfile:
+    """Elevation of a road over its stations, straight between them. Immutable.
+
+    Two profiles are equal when their stations and elevations are; the name is only a label. The
+    methods return new profiles of the same name. They accept stations on the road, to within
+    1e-9 m, and raise a ValueError that names the argument for one outside it.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Stations [m], n >= 2, strictly increasing, measured from the start of the bridge (negative
+        on the approach).
+    elevation : array_like, shape (n,)
+        Elevation [m] at each station, positive up.
+    name : str, optional
+        A label for tables and plots.
+
+    Raises
+    ------
+    TypeError
+        If `x` or `elevation` are not real numbers, or `name` is not a string.
+    ValueError
+        If they are not two 1-D arrays of one length, hold NaN or infinity, the stations do not
+        increase, or the road is anywhere steeper than 1 m/m.
+
+    Examples
+    --------
+    A 1 mm drop over 100 mm, the paper's unit ramp, 3 m past the start of the bridge:
+
+    >>> from bridgectl.road import RoadProfile
+    >>> road = RoadProfile([-10, 3.0, 3.1, 25], [0, 0, -0.001, -0.001], name="unit ramp")
+    >>> road
+    RoadProfile('unit ramp', 4 points, x from -10 m to 25 m, elevation from -0.001 m to 0 m, \
+steps 0.1 to 21.9 m)
+    """
+
+    __slots__ = ("_elevation", "_name", "_x")
+
+    def __init__(self, x: ArrayLike, elevation: ArrayLike, *, name: str = "") -> None:
+        if not isinstance(name, str):
+            raise TypeError(f'name must be a string, got {name!r}: type for example name="A1 east"')
+        stations = check.array("x", x, (None,), unit="m")
+        heights = check.array("elevation", elevation, (None,), unit="m")
+        if stations.size < 2 or stations.size != heights.size:
+            raise ValueError(
+                f"x and elevation must have one length of at least 2, got {stations.size} and "
+                f"{heights.size} values: give one elevation [m] for every station [m]"
+            )
+        _require_increasing(stations)
+        _require_gentle(stations, heights)
+        self._x, self._elevation, self._name = stations, heights, name
+
+    @classmethod
+    def _trusted(cls, x: FloatArray, elevation: FloatArray, name: str) -> RoadProfile:
+        # Unchecked: taking a slope out of a valid road may leave one steeper than MAX_SLOPE.
+        road = cls.__new__(cls)
+        x.flags.writeable = elevation.flags.writeable = False
+        road._x, road._elevation, road._name = x, elevation, name
+        return road
+
+    def __reduce__(self) -> tuple[Callable[..., RoadProfile], tuple[FloatArray, FloatArray, str]]:
+        """Pickle by rebuilding, since unpickled arrays would be writable."""
+        return self._trusted, (self._x, self._elevation, self._name)
+
+    @property
+    def x(self) -> FloatArray:
+        """Stations [m] from the start of the bridge, shape (n,), read-only."""
+        return self._x
+
+    @property
+    def elevation(self) -> FloatArray:
+        """Elevation [m] at the stations, positive up, shape (n,), read-only."""
+        return self._elevation
+
+    @property
+    def name(self) -> str:
+        """Label for tables and plots."""
+        return self._name
+
+    def __repr__(self) -> str:
+        """Return name, number of points, ranges and step."""
+        low, high = np.diff(self._x).min(), np.diff(self._x).max()
+        step = f"step {low:.6g}" if high - low <= 1e-6 * high else f"steps {low:.4g} to {high:.4g}"
+        return (
+            f"RoadProfile({self._name!r}, {self._x.size} points, {self._range()}, elevation from "
+            f"{self._elevation.min():.6g} m to {self._elevation.max():.6g} m, {step} m)"
+        )
+
+    def __eq__(self, other: object) -> bool:
+        """Compare stations and elevations; the name is only a label."""
+        if not isinstance(other, RoadProfile):
+            return NotImplemented
+        same_x = np.array_equal(self._x, other._x)
+        return same_x and np.array_equal(self._elevation, other._elevation)
+
+    def __hash__(self) -> int:
+        """Hash what equality compares."""
+        return hash((self._x.size, *self._x[[0, -1]], float(self._elevation.sum())))
+
+    def resample(
+        self, step: float = 0.1, *, start: float | None = None, stop: float | None = None
+    ) -> RoadProfile:
+        """Return the road at equal steps, interpolated linearly.
+
+        Parameters
+        ----------
+        step : float
+            Distance between stations [m].
+        start, stop : float, optional
+            The stations are ``start + i * step`` up to `stop` [m]; the ends of the road if omitted.
+
+        Raises
+        ------
+        ValueError
+            If `step` is not positive or longer than the stretch, or `start` or `stop` are outside
+            the road.
+
+        Examples
+        --------
+        >>> RoadProfile([0, 1], [0, 0.01]).resample(0.25).elevation
+        array([0.    , 0.0025, 0.005 , 0.0075, 0.01  ])
+        """
+        first, last = self._stretch(start, stop)
+        pieces = int(np.floor((last - first) / check.positive("step", step, unit="m") + 1e-9))
+        if pieces < 1:
+            raise ValueError(
+                f"step = {step:.10g} m is longer than the road from start to stop "
+                f"({last - first:.10g} m): type a smaller step"
+            )
+        stations = first + step * np.arange(pieces + 1, dtype=np.float64)
+        return self._trusted(stations, self._interpolated(stations), self._name)
+
+    def detrend(self, order: int = 1) -> RoadProfile:
+        """Return the road without its least-squares polynomial.
+
+        Parameters
+        ----------
+        order : int
+            0 takes out the mean, 1 a straight line (the grade), 2 a parabola, and so on.
+
+        Raises
+        ------
+        ValueError
+            If `order` is not a whole number from 0 to 20, or needs more points than there are.
+        """
+        highest = min(MAX_ORDER, self._x.size - 1)
+        if check.number("order", order) not in range(highest + 1):
+            raise ValueError(
+                f"order must be a whole number from 0 to {highest} for {self._x.size} points, "
+                f"not {order}: type order=1 for a straight line"
+            )
+        trend = Polynomial.fit(self._x, self._elevation, int(order))
+        return self._trusted(self._x, self._elevation - trend(self._x), self._name)
+
+    def crop(self, start: float, stop: float) -> RoadProfile:
+        """Return the road from `start` to `stop` [m], interpolated at these two ends."""
+        first, last = self._stretch(start, stop)
+        inside = self._x[(self._x > first + TOLERANCE) & (self._x < last - TOLERANCE)]
+        stations = np.concatenate([[first], inside, [last]])
+        return self._trusted(stations, self._interpolated(stations), self._name)
+
+    def place_bridge(self, station: float) -> RoadProfile:
+        """Return the road with its stations measured from `station` [m], the start of the bridge.
+
+        Examples
+        --------
+        >>> RoadProfile([478, 479, 480], [0, 0, 0]).place_bridge(479).x
+        array([-1.,  0.,  1.])
+        """
+        origin = self._inside("station", station)
+        return self._trusted(self._x - origin, self._elevation, self._name)
+
+    def level(self, x: float = 0.0) -> RoadProfile:
+        """Return the road shifted to elevation 0 at `x` [m], where a vehicle then starts level."""
+        datum = self._interpolated(self._inside("x", x))
+        return self._trusted(self._x, self._elevation - datum, self._name)
+
+    def elevation_at(self, x: ArrayLike) -> FloatArray:
+        """Return the elevation [m], positive up, at stations `x` [m] of any shape.
+
+        Raises
+        ------
+        ValueError
+            If any station is outside the road (by more than 1e-9 m) or NaN.
+        """
+        stations = np.asarray(x, dtype=np.float64)
+        on_road = (stations >= self._x[0] - TOLERANCE) & (stations <= self._x[-1] + TOLERANCE)
+        if not on_road.all():
+            self._inside("x", stations[~on_road][0])
+        return self._interpolated(stations)
+
+    def drop(self, x: ArrayLike, start: float) -> FloatArray:
+        """Return r(x), the drop of the road below its elevation at `start`, positive *downward*.
+
+        This is the one place where the sign changes from the elevation z (positive up) of road
+        files to the r of the paper's Eq. (2), which is positive for a road that falls::
+
+            r(x) = z(start) - z(x),   start <= x <= end of the profile
+
+        Before `start` the road is level (r = 0), so a vehicle at rest stays at rest until there;
+        past the end of the profile it continues level at its last elevation.
+
+        Parameters
+        ----------
+        x : array_like, any shape
+            Stations [m].
+        start : float
+            Station where the road stops being level [m]; inside the profile.
+
+        Returns
+        -------
+        ndarray, same shape as `x`
+            Drop [m].
+
+        Examples
+        --------
+        A road that falls by 1 mm has r = +1 mm after the fall:
+
+        >>> road = RoadProfile([0, 0.1], [0, -0.001])
+        >>> road.drop([-1, 0, 0.05, 0.1, 7], start=0)
+        array([0.    , 0.    , 0.0005, 0.001 , 0.001 ])
+        """
+        first = self._inside("start", start)
+        ahead = np.maximum(np.asarray(x, dtype=np.float64), first)
+        return np.asarray(self._interpolated(first) - self._interpolated(ahead))
+
+    def covers(self, start: float, stop: float) -> bool:
+        """Tell whether the road reaches from `start` to `stop` [m], to within 1e-9 m."""
+        first, last = check.number("start", start), check.number("stop", stop)
+        return bool(self._x[0] - TOLERANCE <= first <= last <= self._x[-1] + TOLERANCE)
+
+    def require(self, start: float, stop: float, what: str = "the crossing") -> None:
+        """Refuse a road that does not reach from `start` to `stop` [m], approach plus bridge.
+
+        Raises
+        ------
+        ValueError
+            If it does not. The message says `what` needs the stretch, and what to do.
+        """
+        if self.covers(start, stop):
+            return
+        first, last = float(self._x[0]), float(self._x[-1])
+        way_out = "pass a longer road"
+        if last - first >= stop - start:
+            way_out += f" or place_bridge({first - start:.10g} to {last - stop:.10g})"
+        elif first < stop <= last:
+            way_out += f" or start={first:.10g}"
+        raise ValueError(
+            f"the road covers {self._range()} but {what} needs {start:.10g} m to {stop:.10g} m "
+            f"(approach plus bridge): {way_out}"
+        )
+
+    def ramps(
+        self, length: float = 0.1, *, start: float | None = None, stop: float | None = None
+    ) -> Ramps:
+        """Cut the road into ramps of equal length, with the paper's sign: positive for a drop.
+
+        Parameters
+        ----------
+        length : float
+            Length of a ramp [m].
+        start, stop : float, optional
+            The ramps begin at ``start + i * length`` and reach to `stop` [m]; the ends of the road
+            if omitted. The last one may reach past `stop`, or past the end of the road, where it
+            continues level.
+
+        Returns
+        -------
+        Ramps
+            Positions and heights [m]; over the height of the unit ramp, the s(i) of Eq. (14).
+
+        Raises
+        ------
+        ValueError
+            If `length` is not positive, or `start` or `stop` are outside the road.
+
+        Examples
+        --------
+        >>> ramps = RoadProfile([0, 0.1, 0.2], [0, -0.001, -0.003]).ramps()
+        >>> ramps.positions, ramps.heights
+        (array([0. , 0.1]), array([0.001, 0.002]))
+        """
+        first, last = self._stretch(start, stop)
+        pieces = int(np.ceil((last - first) / check.positive("length", length, unit="m") - 1e-9))
+        ends = first + length * np.arange(max(1, pieces) + 1, dtype=np.float64)
+        drops = self.drop(ends, first)
+        return Ramps(ends[:-1], drops[1:] - drops[:-1])
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the elevation [mm] over the station [m] and return the matplotlib axes."""
+        import matplotlib.pyplot as plt  # here, so that no crossing waits for matplotlib
+
+        if ax is None:
+            ax = plt.subplots()[1]
+        ax.plot(self._x, 1e3 * self._elevation, label=self._name or None)
+        ax.set_xlabel("station x [m]")
+        ax.set_ylabel("elevation, up [mm]")
+        return ax
+
+    def _range(self) -> str:
+        return f"x from {self._x[0]:.10g} m to {self._x[-1]:.10g} m"
+
+    def _inside(self, argument: str, station: float) -> float:
+        station = check.number(argument, station, unit="m")
+        if self.covers(station, station):
+            return station
+        raise ValueError(
+            f"{argument} = {station:.10g} m is outside the road, which covers {self._range()}: "
+            "type a station in this range or pass a longer road"
+        )
+
+    def _stretch(self, start: float | None, stop: float | None) -> tuple[float, float]:
+        first = float(self._x[0]) if start is None else self._inside("start", start)
+        last = float(self._x[-1]) if stop is None else self._inside("stop", stop)
+        if first >= last:
+            raise ValueError(f"stop must be past start = {first:.10g} m, got {last:.10g} m")
+        return first, last
+
+    def _interpolated(self, stations: float | FloatArray) -> FloatArray:
+        return np.asarray(np.interp(stations, self._x, self._elevation))
+
+
+def first_unsorted(x: FloatArray) -> int | None:
+    """Return the index of the first station that is not past the one before it, if any."""
+    return _first(~(x[1:] > x[:-1]))
+
+
+def first_too_steep(x: FloatArray, elevation: FloatArray) -> int | None:
+    """Return the index of the first point that a slope above `MAX_SLOPE` leads to, if any."""
+    with np.errstate(over="ignore"):
+        return _first(~(np.abs(np.diff(elevation)) <= MAX_SLOPE * np.diff(x) + TOLERANCE))
+
+
+def _first(bad: NDArray[np.bool_]) -> int | None:
+    return int(np.argmax(bad)) + 1 if bad.any() else None
+
+
+def _require_increasing(x: FloatArray) -> None:
+    if (i := first_unsorted(x)) is None:
+        return
+    repeated = x[i] == x[i - 1]
+    slip, remedy = ("repeats", "remove one") if repeated else ("lies before", "sort the points")
+    raise ValueError(
+        f"x must increase, but x[{i}] = {x[i]:.10g} m {slip} x[{i - 1}] = {x[i - 1]:.10g} m: "
+        f"{remedy}"
+    )
+
+
+def _require_gentle(x: FloatArray, elevation: FloatArray) -> None:
+    if (i := first_too_steep(x, elevation)) is None:
+        return
+    raise ValueError(
+        f"elevation[{i}] = {elevation[i]:.6g} m at x = {x[i]:.10g} m, after {elevation[i - 1]:.6g} "
+        f"m at {x[i - 1]:.10g} m, is steeper than {MAX_SLOPE:g} m/m: it looks like millimetres (or "
+        "another unit) read as metres: divide by 1000, or pass "
+        'units="m,mm" to read_profile'
+    )

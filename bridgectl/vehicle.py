@@ -1,0 +1,460 @@
+"""Linear vehicles on any number of tires."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import control
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import block_diag
+
+from bridgectl import _checks
+from bridgectl._checks import FloatArray
+
+GRAVITY = 9.81
+"""Acceleration due to gravity g [m/s^2]: the value behind the paper's W = 98.1 kN."""
+
+LIGHTEST_USUAL_MASS = 50.0
+"""Vehicles lighter than this [kg] draw a warning: their masses may be in tonnes."""
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Vehicle:
+    """A linear vehicle with any number of tires and dampers.
+
+    Coordinates y are displacements from static equilibrium on a level road, positive
+    downward::
+
+        M y'' + C y' + K y = -T' (R - W) - D' F_d
+        R_k = W_k + K_tk (T_k y - v(x_k) - r(x_k))      (Eq. (2) of the paper, per tire)
+
+    with tire k at x_k = c t - d_k. `K` and `C` hold the suspension only: the tires enter
+    through R. F_d are the forces of controlled dampers, on top of `C`, positive in the
+    sense of a damper that opposes the relative velocity D y'.
+
+    Parameters
+    ----------
+    mass_matrix, damping_matrix, stiffness_matrix : array_like, shape (n, n)
+        M [kg], C [N s/m] and K [N/m].
+    tire_stiffnesses : array_like, shape (n_tires,)
+        K_t of each tire [N/m].
+    tire_offsets : array_like, shape (n_tires,), optional
+        Distance d_k of each tire behind the reference tire [m], 0 for that one and 0 or
+        more for the others. Default: zeros.
+    tire_map : array_like, shape (n_tires, n), optional
+        T: the displacement of each tire's hub from the coordinates. Default: the last
+        n_tires coordinates are the hubs.
+    damper_map : array_like, shape (n_dampers, n), optional
+        D: the relative displacement of each controlled damper from the coordinates.
+        Default: no controlled damper.
+    heave : array_like, shape (n,), optional
+        Coordinates when the whole vehicle moves down by 1: 1 for a translation (default),
+        0 for a rotation. Gravity acts along it.
+    coordinates : sequence of str, optional
+        Names of the coordinates. Default: 'y_1', 'y_2', ...
+    tire_damping : float, optional
+        Damping of the tires [N s/m]. Only 0: a tire damper would bring the convective term
+        c v'(x) of the deflection under a moving tire, which is not modelled.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter has the wrong kind, shape or range; the message names it.
+    NotImplementedError
+        If `tire_damping` is not 0.
+
+    Examples
+    --------
+    A half-car with pitch: coordinates body heave, body pitch, front hub, rear hub.
+
+    >>> import numpy as np
+    >>> import bridgectl as bc
+    >>> a, b, k, c = 1.5, 2.5, 200e3, 10e3                   # axles a ahead, b behind
+    >>> legs = np.array([[1, -a, -1, 0], [1, b, 0, -1]])     # travel of the two suspensions
+    >>> car = bc.Vehicle(
+    ...     mass_matrix=np.diag([12000, 20000, 700, 900]),
+    ...     damping_matrix=c * legs.T @ legs,
+    ...     stiffness_matrix=k * legs.T @ legs,
+    ...     tire_stiffnesses=[1.8e6, 3.6e6],
+    ...     tire_offsets=[0, a + b],
+    ...     damper_map=legs,
+    ...     heave=[1, 0, 1, 1],
+    ... )
+    >>> car.static_loads.round()
+    array([80442., 52974.])
+    """
+
+    mass_matrix: FloatArray
+    damping_matrix: FloatArray
+    stiffness_matrix: FloatArray
+    tire_stiffnesses: FloatArray
+    tire_offsets: FloatArray
+    tire_map: FloatArray
+    damper_map: FloatArray
+    heave: FloatArray
+    coordinates: tuple[str, ...]
+
+    def __init__(
+        self,
+        mass_matrix: ArrayLike,
+        damping_matrix: ArrayLike,
+        stiffness_matrix: ArrayLike,
+        tire_stiffnesses: ArrayLike,
+        tire_offsets: ArrayLike | None = None,
+        tire_map: ArrayLike | None = None,
+        damper_map: ArrayLike | None = None,
+        heave: ArrayLike | None = None,
+        coordinates: Sequence[str] | None = None,
+        tire_damping: float = 0.0,
+    ) -> None:
+        mass = _checks.array("mass_matrix", mass_matrix, (None, None), unit="kg")
+        tires = _checks.array("tire_stiffnesses", tire_stiffnesses, (None,), unit="N/m")
+        n, n_tires = mass.shape[0], tires.size
+        hubs = np.eye(n)[max(n - n_tires, 0) :]
+
+        def given(
+            name: str, value: ArrayLike | None, default: ArrayLike, shape: tuple[int | None, ...]
+        ) -> FloatArray:
+            return _checks.array(name, default if value is None else value, shape)
+
+        values: dict[str, FloatArray | tuple[str, ...]] = {
+            "mass_matrix": _checks.array("mass_matrix", mass, (n, n), unit="kg"),
+            "damping_matrix": _checks.array("damping_matrix", damping_matrix, (n, n)),
+            "stiffness_matrix": _checks.array("stiffness_matrix", stiffness_matrix, (n, n)),
+            "tire_stiffnesses": tires,
+            "tire_offsets": given("tire_offsets", tire_offsets, np.zeros(n_tires), (n_tires,)),
+            "tire_map": given("tire_map", tire_map, hubs, (n_tires, n)),
+            "damper_map": given("damper_map", damper_map, np.zeros((0, n)), (None, n)),
+            "heave": given("heave", heave, np.ones(n), (n,)),
+            "coordinates": _coordinate_names(coordinates, n),
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+        _no_tire_damping(tire_damping)
+        self._check_matrices()
+        self._check_tires()
+
+    def __repr__(self) -> str:
+        offsets = ", ".join(f"{offset:g}" for offset in self.tire_offsets)
+        return (
+            f"Vehicle({self.n_coordinates} coordinates, mass={self.mass:g} kg, "
+            f"tires at [{offsets}] m behind the first, {len(self.damper_map)} dampers)"
+        )
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Vehicle):
+            return NotImplemented
+        return all(
+            np.array_equal(getattr(self, field.name), getattr(other, field.name))
+            for field in fields(self)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.mass_matrix.tobytes(), self.stiffness_matrix.tobytes()))
+
+    def _check_matrices(self) -> None:
+        for name in ("mass_matrix", "damping_matrix", "stiffness_matrix"):
+            matrix = getattr(self, name)
+            if not np.allclose(matrix, matrix.T, rtol=1e-9, atol=1e-9 * np.abs(matrix).max()):
+                raise ValueError(f"{name} must be symmetric")
+            # Round-off of a semi-definite matrix scales with its largest entry.
+            if np.linalg.eigvalsh(matrix).min() < -1e-9 * np.abs(matrix).max():
+                raise ValueError(f"{name} must not have negative eigenvalues")
+        if np.linalg.eigvalsh(self.mass_matrix).min() <= 0:
+            raise ValueError("mass_matrix must be positive definite: every mass above 0 kg")
+        if self.mass < LIGHTEST_USUAL_MASS:
+            warnings.warn(
+                f"the vehicle's mass is {self.mass:g} kg: are its masses in tonnes? Pass kg",
+                UserWarning,
+                stacklevel=4,
+            )
+
+    def _check_tires(self) -> None:
+        if self.tire_stiffnesses.size == 0 or np.any(self.tire_stiffnesses <= 0):
+            raise ValueError(
+                f"tire_stiffnesses must all be above 0 N/m, got {self.tire_stiffnesses}"
+            )
+        if np.min(self.tire_offsets) != 0:
+            raise ValueError(
+                "tire_offsets must be distances behind the reference tire, 0 m for that one and "
+                f"0 or more for the others, got {self.tire_offsets}"
+            )
+        if np.linalg.matrix_rank(self._supported_stiffness) < self.n_coordinates:
+            raise ValueError(
+                "stiffness_matrix and tire_map leave a coordinate without support: no static "
+                "equilibrium exists"
+            )
+        if np.any(self.static_loads <= 0):
+            raise ValueError(
+                f"every tire must carry a static load above 0 N, got {self.static_loads} N; "
+                "check mass_matrix, tire_map and heave"
+            )
+
+    @property
+    def linear(self) -> Vehicle:
+        """The vehicle itself: what `QuarterCar.linear` gives for a quarter-car."""
+        return self
+
+    @property
+    def n_coordinates(self) -> int:
+        """Number of coordinates n."""
+        return self.mass_matrix.shape[0]
+
+    @property
+    def n_tires(self) -> int:
+        """Number of tires."""
+        return self.tire_stiffnesses.size
+
+    @property
+    def mass(self) -> float:
+        """Mass of the whole vehicle [kg]."""
+        return float(self.heave @ self.mass_matrix @ self.heave)
+
+    @property
+    def _supported_stiffness(self) -> FloatArray:
+        """Stiffness of the vehicle on its tires on a rigid road, K + T' K_t T."""
+        return np.asarray(
+            self.stiffness_matrix
+            + self.tire_map.T @ (self.tire_stiffnesses[:, np.newaxis] * self.tire_map)
+        )
+
+    @cached_property
+    def static_loads(self) -> FloatArray:
+        """Static load W_k of each tire on a level road [N], shape (n_tires,)."""
+        weight = GRAVITY * self.mass_matrix @ self.heave
+        sag = np.linalg.solve(self._supported_stiffness, weight)
+        return np.asarray(self.tire_stiffnesses * (self.tire_map @ sag))
+
+    @cached_property
+    def displacements(self) -> FloatArray:
+        """Selects the coordinates y from the states [y_1, y_1', y_2, ...], shape (n, 2 n)."""
+        return np.kron(np.eye(self.n_coordinates), [1.0, 0.0])
+
+    @cached_property
+    def velocities(self) -> FloatArray:
+        """Selects y' from the states, shape (n, 2 n)."""
+        return np.kron(np.eye(self.n_coordinates), [0.0, 1.0])
+
+    @cached_property
+    def state_matrix(self) -> FloatArray:
+        """State matrix without tires, states [y_1, y_1', y_2, ...], shape (2 n, 2 n)."""
+        position, velocity = self.displacements, self.velocities
+        forces = self.stiffness_matrix @ position + self.damping_matrix @ velocity
+        accelerations = -np.linalg.solve(self.mass_matrix, forces)
+        return np.asarray(position.T @ velocity + velocity.T @ accelerations)
+
+    @cached_property
+    def tire_input(self) -> FloatArray:
+        """Input matrix of the tire forces beyond the static loads, shape (2 n, n_tires)."""
+        return np.asarray(-self.velocities.T @ np.linalg.solve(self.mass_matrix, self.tire_map.T))
+
+    @cached_property
+    def damper_input(self) -> FloatArray:
+        """Input matrix of the damper forces, shape (2 n, n_dampers)."""
+        return np.asarray(-self.velocities.T @ np.linalg.solve(self.mass_matrix, self.damper_map.T))
+
+    @cached_property
+    def hubs(self) -> FloatArray:
+        """Selects the hub displacement of each tire from the states, shape (n_tires, 2 n)."""
+        return np.asarray(self.tire_map @ self.displacements)
+
+    @cached_property
+    def state_matrix_on_tires(self) -> FloatArray:
+        """State matrix of the vehicle on its tires on a rigid road, shape (2 n, 2 n)."""
+        spring = self.tire_stiffnesses[:, np.newaxis] * self.hubs
+        return np.asarray(self.state_matrix + self.tire_input @ spring)
+
+    @cached_property
+    def road_input(self) -> FloatArray:
+        """Input matrix of the surface under each tire, v + r [m], shape (2 n, n_tires)."""
+        return np.asarray(-self.tire_input * self.tire_stiffnesses)
+
+    def system(self) -> control.StateSpace:
+        """Return the vehicle on a rigid road as a linear system.
+
+        Returns
+        -------
+        control.StateSpace
+            Inputs: 'road' [m] for one tire, 'road_1', ... for several, positive downward
+            (a drop; minus the elevation); 'damper_force' [N] likewise, for each controlled
+            damper. Outputs: 'tire_force' [N], the force R - W beyond the static load, and
+            the coordinates [m]. States: each coordinate and its rate ('y_s', 'y_s_dot').
+
+        Examples
+        --------
+        >>> import bridgectl as bc
+        >>> sys = bc.li2006.car().system()
+        >>> sys.input_labels, sys.output_labels
+        (['road', 'damper_force'], ['tire_force', 'y_s', 'y_t'])
+        >>> [round(float(f), 3) for f in sorted(set(abs(sys.poles()) / 6.283185))]
+        [0.465, 6.892]
+        """
+        n_dampers = len(self.damper_map)
+        outputs = np.vstack([self.tire_stiffnesses[:, np.newaxis] * self.hubs, self.displacements])
+        feedthrough = np.zeros((len(outputs), self.n_tires + n_dampers))
+        feedthrough[: self.n_tires, : self.n_tires] = -np.diag(self.tire_stiffnesses)
+        return control.ss(
+            self.state_matrix_on_tires,
+            np.hstack([self.road_input, self.damper_input]),
+            outputs,
+            feedthrough,
+            states=vehicle_states(self),
+            inputs=signals("road", self.n_tires) + signals("damper_force", n_dampers),
+            outputs=signals("tire_force", self.n_tires) + list(self.coordinates),
+            name="vehicle",
+        )
+
+
+@dataclass(frozen=True)
+class QuarterCar:
+    """A quarter-car: sprung mass, suspension, unsprung mass and tire (Eqs. (1a), (1b), (2)).
+
+    Parameters
+    ----------
+    sprung_mass, unsprung_mass : float
+        m_s and m_t [kg].
+    suspension_stiffness, tire_stiffness : float
+        K_s and K_t [N/m].
+    damping : float
+        Passive damping coefficient C of the suspension [N s/m].
+    tire_damping : float, optional
+        Only 0, see `Vehicle`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter is not a number or out of range; the message names it.
+    NotImplementedError
+        If `tire_damping` is not 0.
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eqs. (1) and (2).
+
+    Examples
+    --------
+    >>> import dataclasses
+    >>> import bridgectl as bc
+    >>> car = bc.QuarterCar(9000.0, 1000.0, 80e3, 1.8e6, damping=7e3)
+    >>> dataclasses.replace(car, damping=10e3).damping
+    10000.0
+    """
+
+    sprung_mass: float
+    unsprung_mass: float
+    suspension_stiffness: float
+    tire_stiffness: float
+    damping: float
+    tire_damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        units = {"mass": "kg", "stiffness": "N/m"}
+        for name in ("sprung_mass", "unsprung_mass", "suspension_stiffness", "tire_stiffness"):
+            unit = units[name.rpartition("_")[2]]
+            value = _checks.positive(name, getattr(self, name), unit=unit)
+            object.__setattr__(self, name, value)
+        damping = _checks.not_negative("damping", self.damping, unit="N s/m")
+        object.__setattr__(self, "damping", damping)
+        _ = self.linear  # so that its checks speak here, not at the first crossing
+
+    def __repr__(self) -> str:
+        return (
+            f"QuarterCar(sprung_mass={self.sprung_mass:g} kg, "
+            f"unsprung_mass={self.unsprung_mass:g} kg, "
+            f"suspension_stiffness={self.suspension_stiffness:g} N/m, "
+            f"tire_stiffness={self.tire_stiffness:g} N/m, damping={self.damping:g} N s/m)"
+        )
+
+    @cached_property
+    def linear(self) -> Vehicle:
+        """The quarter-car as a `Vehicle`, coordinates 'y_s' and 'y_t' as in the paper."""
+        leg = np.array([[1.0, -1.0]])
+        return Vehicle(
+            mass_matrix=np.diag([self.sprung_mass, self.unsprung_mass]),
+            damping_matrix=self.damping * leg.T @ leg,
+            stiffness_matrix=self.suspension_stiffness * leg.T @ leg,
+            tire_stiffnesses=[self.tire_stiffness],
+            damper_map=leg,
+            coordinates=("y_s", "y_t"),
+            tire_damping=self.tire_damping,
+        )
+
+    def system(self) -> control.StateSpace:
+        """Return the quarter-car on a rigid road as a linear system: see `Vehicle.system`."""
+        return self.linear.system()
+
+
+def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -> Vehicle:
+    """Return several vehicles on one lane as one `Vehicle`.
+
+    Parameters
+    ----------
+    vehicles : sequence of Vehicle or QuarterCar
+        The vehicles; nothing but the bridge couples them.
+    offsets : sequence of float
+        Distance of each vehicle's reference tire behind that of the first [m].
+
+    Returns
+    -------
+    Vehicle
+        Its coordinates are those of the vehicles with suffixes '_1', '_2', ...
+
+    Raises
+    ------
+    ValueError
+        If there is no vehicle, or not one offset for each.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> bc.convoy([bc.li2006.car(), bc.li2006.car()], [0, 5])
+    Vehicle(4 coordinates, mass=20000 kg, tires at [0, 5] m behind the first, 2 dampers)
+    """
+    members = [vehicle.linear for vehicle in vehicles]
+    if not members:
+        raise ValueError("vehicles must hold at least one vehicle")
+    behind = _checks.array("offsets", offsets, (len(members),), unit="m")
+    return Vehicle(
+        mass_matrix=block_diag(*(car.mass_matrix for car in members)),
+        damping_matrix=block_diag(*(car.damping_matrix for car in members)),
+        stiffness_matrix=block_diag(*(car.stiffness_matrix for car in members)),
+        tire_stiffnesses=np.concatenate([car.tire_stiffnesses for car in members]),
+        tire_offsets=np.concatenate(
+            [car.tire_offsets + offset for car, offset in zip(members, behind, strict=True)]
+        ),
+        tire_map=block_diag(*(car.tire_map for car in members)),
+        damper_map=block_diag(*(car.damper_map for car in members)),
+        heave=np.concatenate([car.heave for car in members]),
+        coordinates=[
+            f"{name}_{i}" for i, car in enumerate(members, start=1) for name in car.coordinates
+        ],
+    )
+
+
+def vehicle_states(vehicle: Vehicle) -> list[str]:
+    """Names of the vehicle's states, in order."""
+    return [f"{name}{dot}" for name in vehicle.coordinates for dot in ("", "_dot")]
+
+
+def signals(name: str, count: int) -> list[str]:
+    """Names of `count` signals of a kind: the plain name for one, numbered for several."""
+    return [name] if count == 1 else [f"{name}_{i}" for i in range(1, count + 1)]
+
+
+def _coordinate_names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
+    result = tuple(f"y_{i}" for i in range(1, n + 1)) if names is None else tuple(names)
+    if len(result) != n or len(set(result)) != n or not all(isinstance(s, str) for s in result):
+        raise ValueError(f"coordinates must be {n} different names, got {names!r}")
+    return result
+
+
+def _no_tire_damping(value: float) -> None:
+    if _checks.not_negative("tire_damping", value, unit="N s/m") > 0:
+        raise NotImplementedError(
+            "tire_damping must be 0: a tire damper brings the convective term c v'(x) of the "
+            "deflection under a moving tire, which is not modelled"
+        )

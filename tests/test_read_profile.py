@@ -1,0 +1,504 @@
+"""Reading road files: what is understood, and what every bad file is told."""
+
+import os
+import tempfile
+import tracemalloc
+from collections.abc import Callable
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bridgectl.road import ProfileFileError, RoadProfile, read, read_profile, utia_road
+
+SHARED = Path(__file__).parents[2] / "shared" / "profiles"
+UTIA = (resources.files("bridgectl.road") / "data" / "utia_profile_1.txt").read_bytes()
+GOOD = "x [m], z [mm]\n0.0, 0\n0.1, 2\n0.2, 3\n"
+
+Write = Callable[[str | bytes], Path]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    """Write text or bytes to a file and return its path."""
+
+    def write_file(content: str | bytes) -> Path:
+        path = tmp_path / "road.csv"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    return write_file
+
+
+def refusal(path: Path | str, **arguments: Any) -> str:
+    """Return the one line that refuses a file, without the path before it."""
+    with pytest.raises(ProfileFileError) as caught:
+        read_profile(path, **arguments)
+    message = str(caught.value)
+    assert message.startswith(f"{path}:")
+    assert message.isprintable()
+    return message.removeprefix(f"{path}:").strip()
+
+
+# Files that are understood
+
+
+def test_the_utia_road_has_2177_stations_from_478_to_1022_metres() -> None:
+    road = utia_road()
+    assert road.x.size == 2177
+    assert road.x[[0, -1]].tolist() == [478.0, 1022.0]
+    assert road.elevation[[0, -1]].tolist() == [583.1370, 583.0498]
+    assert road.name == "UTIA road"
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", " ", "   ", " , ", ";\t"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_each_delimiter_and_line_end_is_understood(write: Write, delimiter: str, end: str) -> None:
+    lines = [f"{x}{delimiter}{z}" for x, z in [("0.0", "1e-3"), ("+.25", "-2."), ("5E-1", "3")]]
+    road = read_profile(write(end.join(lines)), units="m,mm")
+    assert road.x.tolist() == [0.0, 0.25, 0.5]
+    np.testing.assert_allclose(road.elevation, [1e-6, -2e-3, 3e-3], rtol=0, atol=1e-12)
+
+
+def test_the_name_is_the_file_name_unless_given(write: Write) -> None:
+    path = write(GOOD)
+    assert read_profile(path).name == "road"
+    assert read_profile(str(path), name="A1").name == "A1"
+
+
+@pytest.mark.parametrize(
+    "label",
+    [
+        "x [m], z [mm]",
+        "station (m); elevation (mm)",
+        "x_m,z_mm",
+        "x_m z_mm",
+        "x [m] z [ mm ]",
+        "x[m]\tz[mm]",
+        '"x (m)","z (mm)"',
+        "# x [m], z [mm]",
+        "% x_m z_mm",
+        "// station [m]; elevation [mm]",
+        "# a road\n\n# x [m], z [mm]\nstation,elevation",
+        "station,elevation\n#x_m,z_mm",
+    ],
+)
+def test_units_are_taken_from_the_line_that_names_the_columns(write: Write, label: str) -> None:
+    road = read_profile(write(f"{label}\n0, 0\n0.1, 2\n"))
+    np.testing.assert_allclose(road.elevation, [0.0, 2e-3], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("units", ["m,mm", " m , mm ", ("m", "mm"), ["m", "mm"]])
+def test_units_may_be_passed_again_when_they_agree(write: Write, units: Any) -> None:
+    assert read_profile(write(GOOD), units=units) == read_profile(write(GOOD))
+
+
+def test_a_bracket_that_is_no_unit_does_not_contradict_the_units_passed(write: Write) -> None:
+    road = read_profile(write("x [m], z [left]\n0, 0\n1, 2\n"), units="m,mm")
+    assert road.elevation[-1] == pytest.approx(2e-3, abs=1e-12)
+
+
+def test_other_columns_may_hold_anything(write: Write) -> None:
+    text = "lane,z [in],note,x [ft]\nA_1,0,ü,0\nA_1,1,,1\nA_1,2,#,2\n"
+    road = read_profile(write(text), columns=(3, 1))
+    np.testing.assert_allclose(road.x, [0.0, 0.3048, 0.6096], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(road.elevation, [0.0, 0.0254, 0.0508], rtol=0, atol=1e-12)
+
+
+def test_blank_lines_comments_and_a_byte_order_mark_are_skipped(write: Write) -> None:
+    text = "\ufeff# räum\n\n \t \nx_m\tz_m\t\n0\t0\t\n  # gap\n% gap\n// gap\n\n0.1\t0\t\n0.2\t0\t"
+    assert read_profile(write(text)).x.tolist() == [0.0, 0.1, 0.2]
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])
+@given(
+    steps=st.lists(st.floats(0.01, 1.0), min_size=1, max_size=40),
+    slopes=st.lists(st.floats(-0.5, 0.5), min_size=40, max_size=40),
+    start=st.floats(-1000, 1000),
+    units=st.tuples(st.sampled_from(list(read.UNITS)), st.sampled_from(list(read.UNITS))),
+)
+@settings(max_examples=40, deadline=None)
+def test_a_written_road_is_read_back(
+    delimiter: str, steps: list[float], slopes: list[float], start: float, units: tuple[str, str]
+) -> None:
+    x = start + np.cumsum([0.0, *steps])
+    z = np.cumsum([0.0, *np.multiply(steps, slopes[: len(steps)])])
+    columns = (x / read.UNITS[units[0]], z / read.UNITS[units[1]])
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "road.txt")
+        rows = zip(*(column.tolist() for column in columns), strict=True)
+        path.write_text("\n".join(f"{a!r}{delimiter}{b!r}" for a, b in rows))
+        road = read_profile(path, units=units)
+    np.testing.assert_allclose(road.x, x, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(road.elevation, z, rtol=0, atol=1e-9)
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared profiles are not here")
+def test_the_shared_profiles_are_read_or_refused_with_one_line() -> None:
+    assert read_profile(SHARED / "utia_profile_1.txt", units="m,m") == utia_road()
+    assert read_profile(SHARED / "utia_profile_2_irregular.txt", units="m,m").x.size == 2177
+    pulse = read_profile(SHARED / "wtp46_pulse_check.csv")
+    assert pulse.elevation.max() == pytest.approx(0.02, abs=1e-12)
+    refusal(SHARED / "txdot_track_run_e1.erd", units="ft,ft")
+    refusal(SHARED / "asam_handmade_straight.crg", units="m,m")
+
+
+# Files that are none
+
+
+def test_a_missing_file_is_refused(tmp_path: Path) -> None:
+    assert refusal(tmp_path / "none.csv") == "no such file: check the name and the folder"
+
+
+def test_a_folder_is_refused(tmp_path: Path) -> None:
+    assert refusal(tmp_path) == "this is a folder: type the name of a file in it"
+
+
+def test_a_file_without_permission_is_refused(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write(GOOD)
+
+    def deny(self: Path) -> bytes:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "read_bytes", deny)
+    assert refusal(path).startswith("permission denied: make the file readable")
+
+
+def test_a_device_or_a_huge_file_is_refused(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(read, "MAX_BYTES", 2**20)
+    for path in (write(GOOD.ljust(2**20 + 1)), os.devnull):
+        assert refusal(path) == "expected a file of at most 1 MiB: save the profile in one"
+
+
+def test_names_that_no_file_can_have_are_refused(tmp_path: Path) -> None:
+    for name in ("a\0b", "\ud800", "a" * 5000):
+        with pytest.raises(ProfileFileError, match="cannot be opened") as caught:
+            read_profile(tmp_path / name)
+        assert str(caught.value).isprintable()
+
+
+def test_line_breaks_in_a_name_are_escaped(tmp_path: Path) -> None:
+    with pytest.raises(ProfileFileError, match=r"a\\nb: no such file"):
+        read_profile(tmp_path / "a\nb")
+
+
+@pytest.mark.parametrize("content", ["", " \n\n", "\ufeff\n"])
+def test_an_empty_file_is_refused(write: Write, content: str) -> None:
+    message = refusal(write(content), units="m,m")
+    assert "expected" in message
+    assert "station and" in message
+
+
+def test_a_file_of_comments_has_no_numbers(write: Write) -> None:
+    expected = "no line of numbers: expected a station and an elevation on each line"
+    assert refusal(write("# x [m], z [m]\nx,z\n"), units="m,m") == expected
+
+
+def test_one_line_of_numbers_is_no_road(write: Write) -> None:
+    expected = "3: only one line of numbers: a road needs two or more"
+    assert refusal(write("# x\n\n0 0\n"), units="m,m") == expected
+
+
+@pytest.mark.parametrize(
+    ("content", "byte"), [(b"0 0\n1\x00 0\n", "0x00"), (b"0 0\n# L\xe4nge\n1 0\n", "0xe4")]
+)
+def test_a_binary_file_is_refused_with_the_line(write: Write, content: bytes, byte: str) -> None:
+    expected = f"2: the byte {byte} is not text: save the file as UTF-8 text (csv)"
+    assert refusal(write(content), units="m,m") == expected
+
+
+def test_a_utf_16_file_is_refused(write: Write) -> None:
+    assert "save the file as UTF-8" in refusal(write(GOOD.encode("utf-16")))
+
+
+# Lines that are no numbers
+
+
+@pytest.mark.parametrize(
+    "word", ["abc", "nan", "inf", "-Infinity", "1e999", "1_000", "٣", "2e12", '"3"']
+)
+@pytest.mark.parametrize("comment", ["", "# a comment\n"])
+def test_a_word_in_the_place_of_a_number_is_quoted(write: Write, word: str, comment: str) -> None:
+    message = refusal(write(f"x_m,z_m\n0,0\n{comment}0.1,{word}\n0.2,0\n"))
+    assert message == (
+        f"{4 if comment else 3}: expected a finite number in column 1 (counted from 0), found "
+        f"'{word}': correct or remove the line, or begin it with # if it is a comment"
+    )
+
+
+def test_a_long_or_unprintable_word_is_cut_and_escaped(write: Write) -> None:
+    message = refusal(write("0;0\n\x1b[31m" + 100 * "a" + ";0\n"), units="m,m")
+    assert "found '\\x1b[31m" + 32 * "a" + "...':" in message
+
+
+def test_an_empty_field_is_refused(write: Write) -> None:
+    assert "found nothing: correct" in refusal(write("0,0\n1,\n"), units="m,m")
+
+
+@pytest.mark.parametrize("first", ["nan,0", "4x8,583", "Run 3", '"0.0","0.0"', "-- --"])
+def test_a_damaged_first_line_is_not_taken_for_a_header(write: Write, first: str) -> None:
+    assert refusal(write(f"{first}\n1,0\n2,0\n"), units="m,m").startswith("1: ")
+
+
+def test_a_second_header_line_is_refused(write: Write) -> None:
+    assert "2: expected a finite number" in refusal(write("x,z\nm,mm\n0,0\n1,0\n"), units="m,m")
+
+
+@pytest.mark.parametrize("line", ["1,0,5", "1", "1,0,"])
+def test_a_wrong_number_of_columns_is_refused(write: Write, line: str) -> None:
+    found = line.count(",") + 1
+    expected = f"2: expected 2 columns, found {found}: correct or remove the line"
+    assert refusal(write(f"0,0\n{line}\n2,0\n"), units="m,m") == expected
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "names"),
+    [
+        ("0,0", "1;0", "expected comma, found semicolon"),
+        ("0 0", "1, 0", "expected white space, found comma"),
+        ("0\t0", "1 0", "expected tab, found white space"),
+    ],
+)
+def test_mixed_delimiters_are_refused(write: Write, first: str, second: str, names: str) -> None:
+    expected = f"2: {names}: use one delimiter throughout, or pass delimiter="
+    assert refusal(write(f"{first}\n{second}\n"), units="m,m") == expected
+
+
+def test_a_delimiter_that_the_file_does_not_use_is_refused(write: Write) -> None:
+    message = refusal(write("0 0\n1 0\n"), units="m,m", delimiter=";")
+    assert message.startswith("1: expected semicolon, found white space: use one delimiter")
+
+
+@pytest.mark.parametrize(
+    "text", ["0,25;1,3", "0,25 1,3", "0,25\t1,3", "0;1,3", "0,25;1", "-0,5 ; 2"]
+)
+@pytest.mark.parametrize("before", ["", "0;0\n"])
+def test_decimal_commas_are_not_understood(write: Write, text: str, before: str) -> None:
+    message = refusal(write(f"{before}{text}\n"), units="m,mm")
+    assert "decimal commas are not understood" in message
+    assert message.endswith("write 0.25 for 0,25")
+
+
+def test_a_column_that_does_not_exist_is_refused(write: Write) -> None:
+    message = refusal(write("x,z\n0,0\n1,0\n"), units="m,m", columns=(0, 2))
+    assert message == (
+        "2: column 2 (counted from 0) does not exist, found 2 separated by comma in '0,0': "
+        "pass columns=(station, elevation) or delimiter="
+    )
+
+
+# Units
+
+
+@pytest.mark.parametrize("label", ["", "x,z\n", "x [m], z [furlong]\n", "x [m]\n", "x [m], z\n"])
+def test_units_are_never_guessed(write: Write, label: str) -> None:
+    assert refusal(write(f"{label}0,0\n1,0\n")) == (
+        'the file does not state its units: pass units="m,mm" (station, elevation) in Python or '
+        "--units m,mm on the command line; known units: m, mm, cm, km, ft, in, mil"
+    )
+
+
+def test_units_that_disagree_with_the_file_are_refused(write: Write) -> None:
+    expected = "1: the units stated here are m,mm: pass these or correct this line"
+    assert refusal(write(GOOD), units="m,m") == expected
+
+
+def test_an_unknown_unit_is_refused(write: Write) -> None:
+    message = refusal(write(GOOD), units="m,furlong")
+    assert message.startswith("unknown unit 'furlong' in units: pass units=\"m,mm\"")
+    assert message.endswith("known units: m, mm, cm, km, ft, in, mil")
+
+
+@pytest.mark.parametrize("units", ["m", "m,m,m", ("m",)])
+def test_units_must_be_two(write: Write, units: Any) -> None:
+    assert refusal(write(GOOD), units=units).startswith("units must name two units, got ")
+
+
+@pytest.mark.parametrize(
+    ("step", "units", "fitting"),
+    [
+        (250, "m,m", "mm (0.25 m) or cm (2.5 m)"),
+        (0.00025, "m,mm", "km (0.25 m)"),
+        (1e9, "m,m", "none: then pass columns=(station, elevation)"),
+    ],
+)
+def test_stations_in_the_wrong_unit_are_refused(
+    write: Write, step: float, units: str, fitting: str
+) -> None:
+    message = refusal(write("".join(f"{i * step},0\n" for i in range(5))), units=units)
+    assert message.startswith(
+        f"the stations in m have a median step of {step:.6g} m, expected 0.001 m to 5 m: "
+        f'pass units="UNIT,{units.split(",")[1]}" with the unit they are in, which may be '
+    )
+    assert fitting in message
+
+
+@pytest.mark.parametrize(("given_unit", "finer"), [("m", "mm"), ("mm", "mil")])
+def test_elevations_in_the_wrong_unit_are_refused(
+    write: Write, given_unit: str, finer: str
+) -> None:
+    message = refusal(write("0,0\n0.1,0\n0.2,250\n"), units=f"m,{given_unit}")
+    assert message.startswith(f"3: the elevation in {given_unit} changes by ")
+    assert "steeper than 1 m/m: correct it, or " in message
+    assert message.endswith(f'if the elevations are in {finer}, pass units="m,{finer}"')
+
+
+# Stations
+
+
+@pytest.mark.parametrize(
+    ("stations", "message"),
+    [
+        ((0, 1, 1, 2), "5: station 1 m repeats 1 m on line 3: remove one of the two lines"),
+        ((0, 2, 1, 3), "5: station 1 m lies before 2 m on line 3: sort the lines by station"),
+        ((3, 2, 1, 0), "3: station 2 m lies before 3 m on line 2, and so on: reverse the order"),
+    ],
+)
+def test_stations_that_do_not_increase_are_refused(
+    write: Write, stations: tuple[int, ...], message: str
+) -> None:
+    lines = ["x_m,z_m", *(f"{x},0" for x in stations)]
+    lines.insert(3, "# a comment")
+    assert refusal(write("\n".join(lines))).startswith(message)
+
+
+# Arguments
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        (
+            {"units": 5},
+            TypeError,
+            r"^units must be a string like \"m,mm\" or a pair of strings, got 5",
+        ),
+        ({"units": (1, 2)}, TypeError, "^units must be"),
+        ({"columns": "x"}, ValueError, r"^columns must be two different numbers like \(0, 1\)"),
+        ({"columns": (1, 1)}, ValueError, "^columns must be two different"),
+        ({"columns": 3}, ValueError, "^columns must be two different"),
+        ({"columns": ("a", "b")}, TypeError, "^columns must be"),
+        ({"columns": (0, -1)}, ValueError, "^columns must be 0 or more"),
+        ({"delimiter": "|"}, ValueError, "^delimiter must be one of"),
+        ({"name": 5}, TypeError, "^name must be a string"),
+    ],
+)
+def test_wrong_arguments_are_named(
+    write: Write, arguments: dict[str, Any], error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=message):
+        read_profile(write(GOOD), **arguments)
+
+
+@pytest.mark.parametrize("path", [5, None, b"road.csv"])
+def test_a_path_that_is_none_is_a_type_error(path: Any) -> None:
+    with pytest.raises(TypeError, match=r"^path must be a string or a Path.*type path="):
+        read_profile(path)
+
+
+# Damaged files
+
+HEAD = b"".join(UTIA.splitlines(keepends=True)[:200])
+POSITION = st.integers(0, len(HEAD))
+BYTES = st.binary(min_size=1, max_size=6) | st.sampled_from(
+    [
+        b"\n",
+        b" ",
+        b",",
+        b";",
+        b"\t",
+        b"#",
+        b"nan",
+        b"1e999",
+        b"_",
+        b"-",
+        b"\n\n",
+        b"9",
+        b"\xef\xbb\xbf",
+    ]
+)
+
+
+def swapped(data: bytes, first: int, second: int) -> bytes:
+    """Swap two lines."""
+    lines = data.splitlines(keepends=True) or [b""]
+    i, j = first % len(lines), second % len(lines)
+    lines[i], lines[j] = lines[j], lines[i]
+    return b"".join(lines)
+
+
+MUTATIONS = st.one_of(
+    st.builds(lambda i, new: lambda d: d[:i] + new + d[i + len(new) :], POSITION, BYTES),
+    st.builds(lambda i, new: lambda d: d[:i] + new + d[i:], POSITION, BYTES),
+    st.builds(lambda i, n: lambda d: d[:i] + d[i + n :], POSITION, st.integers(1, 30)),
+    st.builds(lambda i, j: lambda d: swapped(d, i, j), POSITION, POSITION),
+    st.builds(lambda i: lambda d: d[:i], POSITION),
+)
+
+
+def outcome(path: Path, **arguments: Any) -> RoadProfile | str:
+    """Return the road or the refusal; anything else is an error of the reader."""
+    try:
+        return read_profile(path, **arguments)
+    except ProfileFileError as error:
+        return str(error)
+
+
+def assert_read_or_refused(path: Path, **arguments: Any) -> None:
+    """Assert that the fast and the careful way give one road, or one line of refusal."""
+    fast = outcome(path, **arguments)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(read._Layout, "_plain", lambda self, texts: None)
+        assert outcome(path, **arguments) == fast
+    if isinstance(fast, str):
+        assert fast.startswith(f"{path}:")
+        assert fast.isprintable()
+
+
+@given(mutations=st.lists(MUTATIONS, min_size=1, max_size=4), block=st.sampled_from([3, 50, 4096]))
+@settings(max_examples=150, deadline=None)
+def test_a_damaged_file_is_read_or_refused_and_the_fast_path_agrees(
+    mutations: list[Callable[[bytes], bytes]], block: int
+) -> None:
+    data = HEAD
+    for mutate in mutations:
+        data = mutate(data)
+    with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        path = Path(folder, "road.txt")
+        path.write_bytes(data)
+        patch.setattr(read, "BLOCK", block)
+        assert_read_or_refused(path, units="m,m")
+
+
+@given(
+    data=st.binary(max_size=60)
+    | st.text("0123456789.,;-+eE_ \t\r\n#%/xzm[]()naif\x1c\x85\xa0", max_size=80).map(str.encode),
+    units=st.sampled_from([None, "m,mm"]),
+    delimiter=st.sampled_from([None, ",", " "]),
+    columns=st.sampled_from([(0, 1), (2, 0)]),
+)
+@settings(max_examples=300, deadline=None)
+def test_any_bytes_are_read_or_refused_and_the_fast_path_agrees(
+    data: bytes, units: str | None, delimiter: str | None, columns: tuple[int, int]
+) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "road.txt")
+        path.write_bytes(data)
+        assert_read_or_refused(path, units=units, delimiter=delimiter, columns=columns)
+
+
+def test_a_large_file_takes_little_more_memory_than_its_bytes(write: Write) -> None:
+    lines = 100_000
+    path = write("x_m,z_m\n" + "".join(f"{0.05 * i:.2f},0.123456\n" for i in range(lines)))
+    tracemalloc.start()
+    read_profile(path)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    # The bytes once, and eight arrays of one float a line.
+    assert peak < path.stat().st_size + 8 * 8 * lines + 5e6
