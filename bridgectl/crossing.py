@@ -186,6 +186,23 @@ class Crossing:
         per_force = line - share * (self.tire_shapes(x) @ carried)
         return per_force / self.peak_static_moment, per_state
 
+    def moments(self, x: FloatArray, beam_states: FloatArray, forces: FloatArray) -> FloatArray:
+        """Normalized moment M / M_0 at many positions of the reference tire.
+
+        Parameters
+        ----------
+        x : ndarray, shape (m,)
+            Positions [m].
+        beam_states, forces : ndarray, shapes (..., m, 2 n_modes) and (..., m, n_tires)
+            Beam states and tire forces [N] there.
+
+        Returns
+        -------
+        ndarray, shape (..., m)
+        """
+        per_force, per_state = self.moment_rows(x)
+        return np.asarray(np.einsum("mk,...mk->...m", per_force, forces) + beam_states @ per_state)
+
     @cached_property
     def deflection_row(self) -> FloatArray:
         """Row of the deflection at the section on the beam states, shape (2 n_modes,)."""
@@ -315,8 +332,6 @@ class Crossing:
         ndarray, shape (n_outputs, m)
         """
         vehicle, n = self.linear, self.n_vehicle
-        per_force, per_state = self.moment_rows(self.speed * t)
-        moment = np.einsum("mk,km->m", per_force, forces) + per_state @ states[n:]
         rates = (
             vehicle.state_matrix @ states[:n]
             + vehicle.tire_input @ (forces - vehicle.static_loads[:, np.newaxis])
@@ -324,7 +339,7 @@ class Crossing:
         )
         return np.vstack(
             [
-                moment,
+                self.moments(self.speed * t, states[n:].T, forces.T),
                 self.deflection_row @ states[n:],
                 forces,
                 states[:n],

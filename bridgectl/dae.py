@@ -71,7 +71,7 @@ class RampSurface:
         return (
             f"RampSurface({len(self.speeds)} speeds from {kmh.min():g} to {kmh.max():g} km/h, "
             f"{len(self.positions)} ramps of {self.ramp_height * 1e3:g} mm over "
-            f"{self.ramp_length * 1e3:g} mm from x = {-self.approach:g} m to "
+            f"{self.ramp_length * 1e3:g} mm from x = {0.0 - self.approach:g} m to "
             f"{self.beam.length:g} m, recovery={self.recovery!r})"
         )
 

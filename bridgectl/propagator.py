@@ -125,35 +125,34 @@ class Cells:
         return states, self.inputs @ self.from_road
 
 
-def cell_nodes(
-    crossing: Crossing,
-    speed: float,
-    start: float,
-    end: float,
-    stations: FloatArray,
-    refine: int = 1,
+def kink_positions(
+    crossing: Crossing, start: float, end: float, stations: FloatArray
 ) -> FloatArray:
-    """Place the nodes of the cells from `start` to `end` [m].
+    """Positions from `start` to `end` where the motion is not smooth, both included [m].
 
-    A node stands wherever something has a kink: where a tire meets one of the `stations`
-    (the road's ramps), enters, leaves, or passes the section. Between those, cells are
-    short enough for the fastest motions at `speed`, the slowest of a batch; `refine` cuts
-    each into as many again.
+    There a tire meets one of the `stations` (the road's ramps), enters, leaves, or passes the
+    section.
     """
-    vehicle, beam = crossing.linear, crossing.beam
-    places = np.concatenate([stations, [0.0, crossing.section * beam.length, beam.length]])
-    kinks = np.add.outer(places, vehicle.tire_offsets).ravel()
-    # The reference tire meets the bridge first: the approach ends there.
-    kinks = np.concatenate([kinks, [0.0]])
-    inside = kinks[(kinks > start + SAME_PLACE) & (kinks < end - SAME_PLACE)]
-    kinks = merge_places(np.concatenate([[start], inside, [end]]))
-    fastest = np.abs(np.linalg.eigvals(vehicle.state_matrix_on_tires)).max()
-    phases = [MAX_VEHICLE_PHASE / fastest, MAX_BEAM_PHASE / beam.omega[-1]]
+    length = crossing.beam.length
+    places = np.concatenate([stations, [0.0, crossing.section * length, length]])
+    kinks = np.add.outer(places, crossing.linear.tire_offsets).ravel()
+    inside = (kinks > start + SAME_PLACE) & (kinks < end - SAME_PLACE)
+    return merge_places(np.concatenate([[start], kinks[inside], [end]]))
+
+
+def cell_nodes(crossing: Crossing, speed: float, kinks: FloatArray, refine: int = 1) -> FloatArray:
+    """Place the nodes of the cells: at the kinks, and between them where cells are too long.
+
+    Cells are short enough for the fastest motions at `speed`, the slowest of a batch;
+    `refine` cuts each into as many again.
+    """
+    fastest = np.abs(np.linalg.eigvals(crossing.linear.state_matrix_on_tires)).max()
+    phases = [MAX_VEHICLE_PHASE / fastest, MAX_BEAM_PHASE / crossing.beam.omega[-1]]
     width = min(MAX_WIDTH, *(phase * speed for phase in phases))
     pieces = refine * np.ceil(np.diff(kinks) / width - SAME_PLACE).astype(int)
     first, steps = np.repeat([kinks[:-1], np.diff(kinks) / pieces], pieces, axis=1)
     within = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-    return np.append(first + within * steps, end)
+    return np.append(first + within * steps, kinks[-1])
 
 
 def merge_places(places: FloatArray) -> FloatArray:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import control
@@ -22,12 +23,12 @@ from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.peaks import find_peaks
 from bridgectl.propagator import (
-    MAX_WIDTH,
     N_STAGES,
     SAME_PLACE,
     Cells,
     build_cells,
     cell_nodes,
+    kink_positions,
     merge_places,
     road_rows,
     sample_positions,
@@ -59,13 +60,17 @@ class Run(NamedTuple):
     end: float
     profile: RoadProfile | None
 
-    def nodes(self, slowest: float, refine: int = 1) -> FloatArray:
-        """Nodes of the cells: see `cell_nodes`."""
+    def kinks(self) -> FloatArray:
+        """Where the motion is not smooth: see `kink_positions`."""
         stations = np.zeros(0)
         if self.profile is not None:
             # The road before the start is level: it has a kink there.
             stations = np.append(self.profile.x[self.profile.x > self.start], self.start)
-        return cell_nodes(self.crossing, slowest, self.start, self.end, stations, refine)
+        return kink_positions(self.crossing, self.start, self.end, stations)
+
+    def nodes(self, slowest: float, refine: int = 1) -> FloatArray:
+        """Nodes of the cells: see `cell_nodes`."""
+        return cell_nodes(self.crossing, slowest, self.kinks(), refine)
 
     def road(self, x: FloatArray) -> FloatArray:
         """Road r under each tire for the reference tire at x, positive downward [m]."""
@@ -187,8 +192,7 @@ def crossing_response(
         stretches = propagate(run, np.array([crossing.speed]), nodes)
         if not lifts_off(crossing, stretches)[0]:
             return _as_response(run, nodes, keep, *_at_nodes(crossing, stretches))
-    reference = _reference(run, nodes)
-    states, forces = np.asarray(reference.states), _forces_of(crossing, reference)
+    states, forces = _reference(run, nodes)
     flight = first_flight(nodes, forces)
     if flight is not None:
         warnings.warn(
@@ -304,16 +308,13 @@ def _through(run: Run, cells: Cells, initial: FloatArray) -> Stretch:
 def moment_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
     """Normalized moment at `sample_positions` of the bridge's cells, (S, n_samples)."""
     cells, n = bridge.cells, crossing.n_vehicle
-    per_force, per_state = crossing.moment_rows(cells.nodes)
-    forces = _node_forces(crossing, bridge)
-    at_nodes = np.einsum("ck,sck->sc", per_force, forces) + bridge.states[:, :, n:] @ per_state
+    forces = bridge.stages[..., : bridge.stages.shape[-1] // 2]
+    at_nodes = crossing.moments(
+        cells.nodes, bridge.states[:, :, n:], _node_forces(crossing, bridge)
+    )
     rows = cells.moment_from_states[:, cells.kind]
     at_stages = np.einsum("scmi,sci->scm", rows, bridge.states[:, :-1, n:])
-    at_stages += np.einsum(
-        "scmq,scq->scm",
-        cells.moment_from_forces,
-        bridge.stages[..., : bridge.stages.shape[-1] // 2],
-    )
+    at_stages += np.einsum("scmq,scq->scm", cells.moment_from_forces, forces)
     inner = np.concatenate([at_nodes[:, :-1, np.newaxis], at_stages], axis=2)
     return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
 
@@ -367,41 +368,53 @@ def linear_contact(run: Run, speeds: FloatArray) -> NDArray[np.bool_]:
 def reference_moments(run: Run, positions: FloatArray) -> FloatArray:
     """Normalized moment at positions by the reference path, shape (m,)."""
     # The simulation starts on the approach, whatever positions are asked for.
-    nodes = merge_places(np.concatenate([run.nodes(run.crossing.speed), positions]))
-    response = _reference(run, nodes)
-    return np.asarray(response.outputs[0])[np.searchsorted(nodes, positions - SAME_PLACE)]
+    nodes = merge_places(np.concatenate([run.kinks(), positions]))
+    states, forces = _reference(run, nodes)
+    keep = np.searchsorted(nodes, positions - SAME_PLACE)
+    beam_states = states[run.crossing.n_vehicle :, keep]
+    return run.crossing.moments(positions, beam_states.T, forces[:, keep].T)
 
 
-def _reference(run: Run, positions: FloatArray) -> control.TimeResponseData:
-    """Simulate with `control.input_output_response`, the tires kept from pulling."""
-    crossing = run.crossing
+def _reference(run: Run, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Simulate with `control.input_output_response`, the tires kept from pulling.
+
+    One simulation from kink to kink, so that no integration step crosses one and none is
+    stepped over. Positions must include the kinks. Returns states (n, m) and tire forces
+    (n_tires, m).
+    """
+    crossing, system = run.crossing, run.crossing.system()
+    first_force = crossing.output_labels.index("deflection") + 1
     road = run.road(positions)
     inputs = np.zeros((len(crossing.input_labels), len(positions)))
     inputs[: road.shape[1]] = road.T
-    # No step is longer than a cell, so that no ramp is stepped over.
-    longest = MAX_WIDTH / crossing.speed
-    return control.input_output_response(
-        crossing.system(),
-        positions / crossing.speed,
-        inputs,
-        np.zeros(crossing.n_states),
-        solve_ivp_method="DOP853",
-        solve_ivp_kwargs={**REFERENCE_TOLERANCES, "max_step": longest},
-        squeeze=False,
-    )
+    states = np.zeros((crossing.n_states, len(positions)))
+    forces = np.empty((road.shape[1], len(positions)))
+    ends = np.searchsorted(positions, run.kinks() - SAME_PLACE)
+    for first, last in pairwise(ends):
+        piece = slice(first, last + 1)
+        time = positions[piece] / crossing.speed
+        response = control.input_output_response(
+            system,
+            time,
+            inputs[:, piece],
+            states[:, first],
+            solve_ivp_method="DOP853",
+            # A kink is where a step may be as long as the motion allows, from the start.
+            solve_ivp_kwargs={**REFERENCE_TOLERANCES, "first_step": time[-1] - time[0]},
+            squeeze=False,
+        )
+        states[:, piece] = response.states
+        forces[:, piece] = np.asarray(response.outputs)[first_force:][: len(forces)]
+    return states, forces
 
 
 def _reference_peak(run: Run) -> tuple[float, float | None]:
     """DAF by the reference path, and where a tire first leaves the road."""
     positions = sample_positions(run.nodes(run.crossing.speed))
-    response = _reference(run, positions)
-    flight = first_flight(positions, _forces_of(run.crossing, response))
-    return float(find_peaks(np.asarray(response.outputs[:1]).T).values[0]), flight
-
-
-def _forces_of(crossing: Crossing, response: control.TimeResponseData) -> FloatArray:
-    first = crossing.output_labels.index("deflection") + 1
-    return np.asarray(response.outputs[first : first + crossing.linear.n_tires])
+    states, forces = _reference(run, positions)
+    moment = run.crossing.moments(positions, states[run.crossing.n_vehicle :].T, forces.T)
+    peak = find_peaks(moment[:, np.newaxis]).values[0]
+    return float(peak), first_flight(positions, forces)
 
 
 def first_flight(positions: FloatArray, forces: FloatArray) -> float | None:
