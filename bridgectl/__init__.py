@@ -26,9 +26,10 @@ from bridgectl import li2006
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing, crossing_system
 from bridgectl.dae import RampSurface, ramp_surface
+from bridgectl.quarter_car import QuarterCar, convoy
 from bridgectl.response import LiftOffWarning, crossing_response, daf
 from bridgectl.road import ProfileFileError, RoadProfile, read_profile, utia_road
-from bridgectl.vehicle import QuarterCar, Vehicle, convoy
+from bridgectl.vehicle import Vehicle
 
 __version__ = "0.1.0"
 

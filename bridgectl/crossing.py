@@ -19,16 +19,9 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl.beam import Beam, beam_states
-from bridgectl.vehicle import QuarterCar, Vehicle, signals, vehicle_states
-
-RECOVERIES = ("exact", "li2006", "modal")
-
-LI2006_INERTIA_SCALE = np.pi**4 / 96
-"""Factor on M_mu in the paper's own results.
-
-Eq. (8) prints 1/12, which belongs to v_0 = W l^3 / (48 E J), while Eq. (5) prints
-2 W l^3 / (pi^4 E J): used together they scale the inertial moment by pi^4 / 96 = 1.01468.
-"""
+from bridgectl.quarter_car import QuarterCar
+from bridgectl.recovery import RECOVERIES, recover_moment
+from bridgectl.vehicle import Vehicle, signals, vehicle_states
 
 
 @dataclass(frozen=True)
@@ -55,13 +48,12 @@ class Crossing:
     recovery : {'exact', 'li2006', 'modal'}, optional
         How the bending moment is recovered from the truncated modes.
 
-        - 'exact': M_R + M_mu, the tire forces through the static influence line plus the
-          inertia and damping forces of the modes. A few modes suffice.
-        - 'li2006': Eqs. (5)-(8) as printed, which scale M_mu by pi^4 / 96 = 1.01468 and
-          leave the damping term out. Reproduces the paper's 1.1302 at 110 km/h, where
-          'exact' gives 1.1284.
-        - 'modal': E J sum_j (j pi / l)^2 q_j sin(j pi s). Converges as 1 / n: for
-          comparison only.
+        - 'exact': tire forces through the static influence line plus the inertia and
+          damping forces of the modes. A few modes suffice.
+        - 'li2006': Eqs. (5)-(8) as printed, for the paper's own numbers.
+        - 'modal': curvature of the modes. Converges as 1 / n: for comparison only.
+
+        `bridgectl.recovery` has the formulas.
 
     Raises
     ------
@@ -141,25 +133,6 @@ class Crossing:
         """
         return self.beam.mode_shapes(self.tire_positions(x))
 
-    @cached_property
-    def _moment_gains(self) -> tuple[FloatArray, FloatArray, float]:
-        """Moment per q_j and per q_j', and the factor on the modes' share of M_R.
-
-        M_mu = -sum_j mu (l / j pi)^2 sin(j pi s) (q_j'' + 2 zeta_j w_j q_j'), with q_j''
-        eliminated by the modal equation, is the modal moment minus the static moment that
-        the truncated modes carry.
-        """
-        beam = self.beam
-        displacement = beam.modal_moments(self.section)
-        if self.recovery == "exact":
-            return displacement, np.zeros(beam.n_modes), 1.0
-        if self.recovery == "modal":
-            return displacement, np.zeros(beam.n_modes), 0.0
-        scale = LI2006_INERTIA_SCALE
-        # Eq. (8) has q_j'' alone: the damping that 'exact' adds to it stays in the row.
-        velocity = displacement * 2 * beam.damping_ratios / beam.omega
-        return scale * displacement, scale * velocity, scale
-
     def moment_rows(self, x: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Rows of the normalized moment M / M_0: Eqs. (6)-(8).
 
@@ -175,16 +148,10 @@ class Crossing:
         per_state : ndarray, shape (2 n_modes,)
             Gain on the beam states, the same everywhere.
         """
-        displacement, velocity, share = self._moment_gains
-        per_state = np.column_stack([displacement, velocity]).ravel() / self.peak_static_moment
-        if self.recovery == "modal":
-            return np.zeros((*np.shape(x), self.linear.n_tires)), per_state
-        line = self.beam.influence_line(self.tire_positions(x), self.section)
-        # Static moment of a unit force in the truncated modes: sum_j (l/j pi)^2 (2/l) ...
-        carried = 2 / self.beam.length / self.beam.wavenumbers**2
-        carried = carried * self.beam.mode_shapes(self.section * self.beam.length)
-        per_force = line - share * (self.tire_shapes(x) @ carried)
-        return per_force / self.peak_static_moment, per_state
+        per_force, per_state = recover_moment(
+            self.beam, self.section, self.recovery, self.tire_positions(x)
+        )
+        return per_force / self.peak_static_moment, per_state / self.peak_static_moment
 
     def moments(self, x: FloatArray, beam_states: FloatArray, forces: FloatArray) -> FloatArray:
         """Normalized moment M / M_0 at many positions of the reference tire.

@@ -14,17 +14,12 @@ from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.peaks import find_peaks
 from bridgectl.propagator import SAME_PLACE, sample_positions
+from bridgectl.quarter_car import QuarterCar
 from bridgectl.ramps import DenseHistories, Histories, factor_histories
-from bridgectl.response import (
-    METHODS,
-    Run,
-    daf,
-    linear_contact,
-    prepare,
-    reference_moments,
-)
+from bridgectl.response import METHODS, daf
 from bridgectl.road import RoadProfile
-from bridgectl.vehicle import QuarterCar, Vehicle
+from bridgectl.simulation import Run, linear_contact, prepare, reference_moments
+from bridgectl.vehicle import Vehicle
 
 
 @dataclass(frozen=True, eq=False)

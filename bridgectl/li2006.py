@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from bridgectl.beam import Beam
+from bridgectl.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
-from bridgectl.vehicle import QuarterCar
 
 YOUNGS_MODULUS = 3.5e10
 """Young's modulus E of every beam here [N/m^2] (Table 1)."""

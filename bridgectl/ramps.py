@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.propagator import N_STAGES, SAME_PLACE, SAMPLES, Cells, build_cells
-from bridgectl.response import Run, speed_batches
+from bridgectl.simulation import Run, speed_batches
 
 
 class Histories(Protocol):

@@ -5,7 +5,7 @@ from helpers import random_case, rough_road
 import bridgectl as bc
 from bridgectl import propagator
 from bridgectl.propagator import cell_nodes, kink_positions, merge_places, sample_positions
-from bridgectl.response import moment_samples, prepare, propagate
+from bridgectl.simulation import moment_samples, prepare, propagate
 
 
 def moments(case, refine):
