@@ -266,6 +266,11 @@ def ramp_surface(
     c = _checks.speeds(speeds)
     length = _checks.positive("ramp_length", ramp_length, unit="m")
     height = _checks.positive("ramp_height", ramp_height, unit="m")
+    if height > length:
+        raise ValueError(
+            f"ramp_height must not exceed ramp_length (a slope of 1), got {height:g} m over "
+            f"{length:g} m: for a ramp of 1 mm type 1e-3"
+        )
     before = _checks.not_negative("approach", approach, unit="m")
     _checks.choice("method", method, METHODS)
     crossing = Crossing(beam, vehicle, float(c[0]), section, recovery)
@@ -278,7 +283,7 @@ def ramp_surface(
     if method == "propagator":
         histories: Histories = factor_histories(run, c, length, n_ramps)
     else:
-        histories = _simulate_ramps(run, c, height, progress)
+        histories = _simulate_ramps(run, edges, c, height, progress)
     daf_smooth = find_peaks(histories.smooth.T).values
     daf_unit = np.empty((c.size, n_ramps))
     for i in range(c.size):
@@ -291,27 +296,23 @@ def ramp_surface(
     )  # fmt: skip
 
 
-def _simulate_ramps(run: Run, speeds: FloatArray, height: float, progress: bool) -> DenseHistories:
+def _simulate_ramps(
+    run: Run, edges: FloatArray, speeds: FloatArray, height: float, progress: bool
+) -> DenseHistories:
     """Histories of one control-library simulation for each ramp and speed."""
-    assert run.profile is not None
-    edges = run.profile.x
     n_ramps = len(edges) - 1
     nodes = run.nodes(float(speeds.min()))
     nodes = nodes[np.searchsorted(nodes, -SAME_PLACE) :]
-    smooth, unit = [], []
-    cases = [(speed, ramp) for speed in speeds for ramp in range(-1, n_ramps)]
-    for speed, ramp in track(cases, "Simulating ramps", len(cases), show=progress):
-        elevation = (
-            -height * (np.arange(n_ramps + 1) > ramp) if ramp >= 0 else np.zeros(n_ramps + 1)
+    positions = sample_positions(nodes)
+    moments = np.empty((len(speeds), n_ramps + 1, len(positions)))
+    cases = [(i, ramp) for i in range(len(speeds)) for ramp in range(n_ramps + 1)]
+    for i, ramp in track(cases, "Simulating ramps", len(cases), show=progress):
+        # After the last edge there is no ramp: the smooth road.
+        road = RoadProfile(edges, -height * (np.arange(n_ramps + 1) > ramp))
+        at_speed = replace(run.crossing, speed=float(speeds[i]))
+        moments[i, ramp] = reference_moments(
+            run._replace(crossing=at_speed, profile=road), positions
         )
-        at = Run(
-            replace(run.crossing, speed=float(speed)), run.start, run.end,
-            RoadProfile(edges, elevation),
-        )  # fmt: skip
-        moment = reference_moments(at, sample_positions(nodes))
-        if ramp < 0:
-            smooth.append(moment)
-        else:
-            unit.append((moment - smooth[-1]) / height)
-    shape = (len(speeds), n_ramps, -1)
-    return DenseHistories(nodes, np.array(smooth), np.moveaxis(np.reshape(unit, shape), 1, 2))
+    smooth = moments[:, -1]
+    unit = (moments[:, :-1] - smooth[:, np.newaxis]) / height
+    return DenseHistories(nodes, smooth, np.moveaxis(unit, 1, 2))

@@ -206,80 +206,85 @@ def _entry_states(
     """States and road under the tires at the bridge, per height of each ramp before it."""
     crossing, n = run.crossing, run.crossing.n_vehicle
     n_tires = crossing.linear.n_tires
-    n_states = crossing.n_states + n_tires
-    states = np.zeros((len(speeds), n_states, n_ramps + 1))
-    if len(nodes) > 1:
-        cells = build_cells(crossing, speeds, nodes, on_bridge=False)
-        step, from_road = cells.transition()
-        at_work = _ramps_of_cells(run, nodes, ramp_length, n_ramps)
-        share = np.diff(nodes) / ramp_length
-        # Backwards from the bridge, what follows a cell acts on what it adds: on the vehicle
-        # states and on the road that it leaves under the tires.
-        after = np.broadcast_to(np.eye(n, n + n_tires), (len(speeds), n, n + n_tires))
-        for c in range(len(share) - 1, -1, -1):
-            kind = cells.map_of[c]
-            add = after[..., :n] @ from_road[:, kind, :, n_tires + 1 :] + after[..., n:]
-            for tire, ramp in enumerate(at_work[c]):
-                states[:, :n, ramp] += share[c] * add[..., tire]
-                states[:, crossing.n_states + tire, ramp] += share[c]
-            road = after[..., :n] @ from_road[:, kind, :, :n_tires] + after[..., n:]
-            after = np.concatenate([after[..., :n] @ step[:, kind], road], axis=-1)
+    states = np.zeros((len(speeds), crossing.n_states + n_tires, n_ramps + 1))
+    if len(nodes) == 1:
+        return states[..., :-1]
+    cells = build_cells(crossing, speeds, nodes, on_bridge=False)
+    step, from_road = cells.transition()
+    at_work = _ramps_of_cells(run, nodes, ramp_length, n_ramps)
+    share = np.diff(nodes) / ramp_length
+    # Backwards from the bridge: what follows a cell acts on the vehicle states that the cell
+    # adds, and on the road that it leaves under the tires.
+    after = np.broadcast_to(np.eye(n, n + n_tires), (len(speeds), n, n + n_tires))
+    for c in range(len(share) - 1, -1, -1):
+        kind, on_states, on_road = cells.map_of[c], after[..., :n], after[..., n:]
+        added = on_states @ from_road[:, kind, :, n_tires + 1 :] + on_road
+        for tire, ramp in enumerate(at_work[c]):
+            states[:, :n, ramp] += share[c] * added[..., tire]
+            states[:, crossing.n_states + tire, ramp] += share[c]
+        on_road = on_states @ from_road[:, kind, :, :n_tires] + on_road
+        after = np.concatenate([on_states @ step[:, kind], on_road], axis=-1)
     return states[..., :-1]
 
 
 def _factor_blocks(
     run: Run, cells: Cells, rises: FloatArray, entry: FloatArray
 ) -> tuple[FloatArray, ...]:
-    """Run through all blocks at once, from unit states, unit ramps and the static loads."""
-    crossing, n = run.crossing, cells.n_states
-    n_blocks, per_block, n_tires, n_local = rises.shape
-    n_speeds, n_carried = len(cells.free), n + n_tires
-    by_block = (n_blocks, per_block)
-    # Columns: states, road under the tires, ramps of the block, static loads.
-    n_columns = n_carried + n_local + 1
-    heights = np.zeros((*by_block, n_tires, n_columns))
-    heights[..., np.arange(n_tires), n + np.arange(n_tires)] = 1.0
-    heights[:, 1:, :, n_carried:-1] = np.cumsum(rises, axis=1)[:, :-1]
-    road = np.zeros((*by_block, 2 * n_tires + 1, n_columns))
-    road[:, :, :n_tires] = heights
-    road[:, :, n_tires, -1] = 1.0
-    road[:, :, n_tires + 1 :, n_carried:-1] = rises
+    """Run through all blocks at once, from unit states, unit ramps and the static loads.
 
-    states = np.zeros((n_speeds, n_blocks, n, n_columns))
+    The columns of what is propagated are [states, road under the tires, ramps of the block,
+    static loads].
+    """
+    n, n_speeds = cells.n_states, len(cells.free)
+    n_blocks, per_block, n_tires, n_local = rises.shape
+    carried = slice(n + n_tires)
+    ramps = slice(n + n_tires, n + n_tires + n_local)
+    road = _block_road_rows(rises, n)
+    states = np.zeros((n_speeds, n_blocks, n, road.shape[-1]))
     states[:, :, np.arange(n), np.arange(n)] = 1.0
-    moments = np.empty((n_speeds, *by_block, len(SAMPLES), n_columns))
+    moments = np.empty((n_speeds, n_blocks, per_block, len(SAMPLES), road.shape[-1]))
     node_rows, node_road = _node_moment_rows(run, cells)
-    node_rows, node_road = node_rows.reshape(*by_block, n), node_road.reshape(*by_block, -1)
-    kinds = cells.kind.reshape(by_block)
-    maps = np.arange(n_blocks * per_block).reshape(by_block)
-    beam, q = crossing.n_vehicle, N_STAGES * n_tires
+    by_block = np.arange(n_blocks * per_block).reshape(n_blocks, per_block)
+    beam, q = run.crossing.n_vehicle, N_STAGES * n_tires
     for k in range(per_block):
-        kind, cell = kinds[:, k], maps[:, k]
+        cell, kind = by_block[:, k], cells.kind[by_block[:, k]]
         stages = cells.from_states[:, cell] @ states + cells.from_road[:, cell] @ road[:, k]
-        moments[:, :, k, 0] = np.einsum("bi,sbiz->sbz", node_rows[:, k], states)
-        moments[:, :, k, 0] += np.einsum("bi,biz->bz", node_road[:, k], road[:, k])
+        moments[:, :, k, 0] = np.einsum("bi,sbiz->sbz", node_rows[cell], states)
+        moments[:, :, k, 0] += np.einsum("bi,biz->bz", node_road[cell], road[:, k])
         moments[:, :, k, 1:] = cells.moment_from_states[:, kind] @ states[:, :, beam:]
         moments[:, :, k, 1:] += cells.moment_from_forces[:, cell] @ stages[:, :, :q]
         states = cells.free[:, kind, N_STAGES] @ states + cells.inputs[:, cell] @ stages
 
-    ends = np.zeros((n_speeds, n_blocks, n_carried, n_columns))
+    ends = np.zeros((n_speeds, n_blocks, n + n_tires, road.shape[-1]))
     ends[:, :, :n] = states
-    ends[:, :, n:, n:n_carried] = np.eye(n_tires)
-    ends[:, :, n:, n_carried:-1] = rises.sum(axis=1)
-    moments = moments.reshape(n_speeds, n_blocks, -1, n_columns)
-    smooth, now = [], np.zeros((n_speeds, n_carried))
-    for block in range(n_blocks):
-        smooth.append(moments[:, block, :, -1])
-        smooth[-1] += np.einsum("sti,si->st", moments[:, block, :, :n_carried], now)
-        now = np.einsum("sij,sj->si", ends[:, block, :, :n_carried], now) + ends[:, block, :, -1]
+    ends[:, :, n:, n : n + n_tires] = np.eye(n_tires)
+    ends[:, :, n:, ramps] = rises.sum(axis=1)
+    by_sample = moments.reshape(n_speeds, n_blocks, -1, road.shape[-1])
+    smooth, now = [], np.zeros((n_speeds, n + n_tires))
+    for rows, end in zip(by_sample.swapaxes(0, 1), ends.swapaxes(0, 1), strict=True):
+        smooth.append(rows[..., -1] + np.einsum("sti,si->st", rows[..., carried], now))
+        now = np.einsum("sij,sj->si", end[..., carried], now) + end[..., -1]
     return (
         np.concatenate(smooth, axis=1),
         entry,
-        ends[..., :n_carried],
-        ends[..., n_carried:-1],
-        moments[..., :n_carried],
-        moments[..., n_carried:-1],
+        ends[..., carried],
+        ends[..., ramps],
+        by_sample[..., carried],
+        by_sample[..., ramps],
     )
+
+
+def _block_road_rows(rises: FloatArray, n_states: int) -> FloatArray:
+    """Road rows of the cells (B, K, 2 tires + 1, columns) for the columns of a block."""
+    n_tires, n_local = rises.shape[2:]
+    first = n_states + n_tires
+    tires = np.arange(n_tires)
+    rows = np.zeros((*rises.shape[:2], 2 * n_tires + 1, first + n_local + 1))
+    rows[:, :, tires, n_states + tires] = 1.0
+    rows[:, 1:, :n_tires, first:-1] = np.cumsum(rises, axis=1)[:, :-1]
+    rows[:, :, n_tires, -1] = 1.0
+    rows[:, :, n_tires + 1 :, first:-1] = rises
+    return rows
 
 
 def _node_moment_rows(run: Run, cells: Cells) -> tuple[FloatArray, FloatArray]:

@@ -182,6 +182,7 @@ def test_a_surface_tells_its_parameters(paper):
         ({"approach": -5.0}, ValueError, "approach must be 0 or more [m]"),
         ({"ramp_length": 0.0}, ValueError, "ramp_length must be above 0 [m]"),
         ({"ramp_height": -1e-3}, ValueError, "ramp_height must be above 0 [m]"),
+        ({"ramp_height": 1.0}, ValueError, "for a ramp of 1 mm type 1e-3"),
         ({"method": "fast"}, ValueError, "method must be one of"),
         ({"section": 2}, ValueError, "section must lie between 0 and 1"),
     ],
