@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._progress import track
+from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.peaks import find_peaks
@@ -20,6 +22,9 @@ from bridgectl.response import METHODS, daf
 from bridgectl.road import RoadProfile
 from bridgectl.simulation import Run, linear_contact, prepare, reference_moments
 from bridgectl.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +157,7 @@ class RampSurface:
         difference = self.daf_unit - self.daf_smooth[:, np.newaxis]
         return np.asarray(difference * self.ramps(profile))
 
+    @on_one_thread
     def superposed_daf(self, profile: RoadProfile) -> FloatArray:
         """DAF of a road from the superposed moment histories: exact for a linear crossing.
 
@@ -199,6 +205,13 @@ class RampSurface:
             )
         return result
 
+    def plot(self, *, difference: bool = False, ax: Axes | None = None) -> Axes:
+        """Draw the surface over place and speed: see `bridgectl.plots.surface_plot`."""
+        # Late, for it lies above this module, and matplotlib is slow to load.
+        from bridgectl.plots import surface_plot
+
+        return surface_plot(self, difference=difference, ax=ax)
+
     def _crossing(self) -> Crossing:
         return Crossing(self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery)
 
@@ -208,6 +221,7 @@ class RampSurface:
         return RoadProfile(x, -np.append(0.0, np.cumsum(drops)))
 
 
+@on_one_thread
 def ramp_surface(
     beam: Beam,
     vehicle: Vehicle | QuarterCar,

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.peaks import find_peaks
@@ -37,6 +38,7 @@ class LiftOffWarning(UserWarning):
     """A tire leaves the road: the crossing is not linear, and superposition not exact."""
 
 
+@on_one_thread
 def crossing_response(
     beam: Beam,
     vehicle: Vehicle | QuarterCar,
@@ -124,11 +126,12 @@ def crossing_response(
             f"a tire leaves the road, first with the reference tire at x = {flight:.2f} m: "
             "simulated with R >= 0; the crossing is not linear there",
             LiftOffWarning,
-            stacklevel=2,
+            stacklevel=3,
         )
     return _as_response(run, nodes, keep, states, forces)
 
 
+@on_one_thread
 def daf(
     beam: Beam,
     vehicle: Vehicle | QuarterCar,
@@ -196,7 +199,7 @@ def daf(
             f"{min(flights) * 3.6:.0f} km/h, the first place x = {min(flights.values()):.1f} m: "
             "simulated there with R >= 0",
             LiftOffWarning,
-            stacklevel=2,
+            stacklevel=3,
         )
     return result
 

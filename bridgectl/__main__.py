@@ -1,0 +1,5 @@
+"""Run the command line: ``python -m bridgectl``."""
+
+from bridgectl.cli import main
+
+raise SystemExit(main())

@@ -1,0 +1,337 @@
+"""Every figure, in one look: colours that colour-blind readers tell apart, units on every axis.
+
+The functions return axes or figures and leave `matplotlib.pyplot` alone: save with
+``figure.savefig(path)``, or ``axes.figure.savefig(path)``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import CenteredNorm
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.markers import CARETUP
+from numpy.typing import ArrayLike
+
+from bridgectl import li2006
+from bridgectl._checks import FloatArray
+from bridgectl.dae import RampSurface
+from bridgectl.paper import EXAMPLE_KMH, PaperResults
+from bridgectl.road import RoadProfile
+
+# Okabe and Ito's palette, and what the bridge is made of.
+SKY, BLUE, VERMILLION = "#56B4E9", "#0072B2", "#D55E00"
+BLACK, GREY = "#222222", "#8a8a8a"
+GROUND, DECK, BRIDGE_TINT = "#ddd8cc", "#59656d", "#edf4f9"
+
+STYLE: Any = {
+    "font.size": 10.0,
+    "axes.titlesize": 10.5,
+    "axes.titlelocation": "left",
+    "axes.edgecolor": GREY,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.7,
+    "legend.frameon": False,
+    "savefig.dpi": 160.0,
+}
+
+SPEED_LABEL = "speed [km/h]"
+PLACE_LABEL = "start of the ramp, x/l [-]"
+STATION_LABEL = "x from the start of the bridge [m]"
+
+MARKED = 10
+"""How many of the largest contributions are marked."""
+
+FEW = 15
+"""Curves of fewer points than this show them."""
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def _styled(draw: Callable[P, T]) -> Callable[P, T]:
+    @wraps(draw)
+    def styled(*args: P.args, **kwargs: P.kwargs) -> T:
+        with mpl.rc_context(STYLE):
+            return draw(*args, **kwargs)
+
+    return styled
+
+
+@_styled
+def dae_figure(
+    surface: RampSurface,
+    road: RoadProfile,
+    *,
+    superposed: ArrayLike | None = None,
+    simulated: ArrayLike | None = None,
+) -> Figure:
+    """Draw what a road does to a bridge: DAF and DAE over speed, the road, and its ramps.
+
+    Parameters
+    ----------
+    surface : RampSurface
+        The ramp surface of bridge and vehicle.
+    road : RoadProfile
+        A road that covers the approach and the bridge.
+    superposed : array_like, optional
+        DAF of the superposed histories at the surface's speeds; computed if omitted.
+    simulated : array_like, optional
+        Simulated DAF at the same speeds; not drawn if omitted. Its maximum, or else that of
+        the superposed DAF, is at the critical speed, whose contributions are shown.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the road does not suit the surface: see `RampSurface.ramps`.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.plots import dae_figure
+    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
+    >>> figure = dae_figure(surface, bc.li2006.fig7_road())
+    >>> [axes.get_xlabel() for axes in figure.axes]
+    ['speed [km/h]', '', 'x from the start of the bridge [m]']
+    """
+    exact = np.asarray(surface.superposed_daf(road) if superposed is None else superposed)
+    known = exact if simulated is None else np.asarray(simulated)
+    critical = int(known.argmax())
+    figure = Figure(figsize=(10.0, 9.0), layout=ConstrainedLayoutEngine(h_pad=0.08))
+    span = surface.beam.length
+    margin = 0.08 * span
+    windows = [(-surface.approach - margin, span + margin)]
+    if surface.approach > span:  # the bridge would be a sliver
+        windows.append((-margin, span + margin))
+    grid = figure.add_gridspec(3, len(windows), height_ratios=(1.4, 0.9, 1.0))
+    _draw_speeds(figure.add_subplot(grid[0, :]), surface, road, exact, simulated, critical)
+    effects = surface.contributions(road)[critical]
+    for column, window in enumerate(windows):
+        above = figure.add_subplot(grid[1, column])
+        _draw_road(above, surface, road, window)
+        below = figure.add_subplot(grid[2, column], sharex=above)
+        _draw_contributions(below, surface, effects, window)
+        if column == 0:
+            above.set(title=_road_title(surface), ylabel="elevation [mm]")
+            below.set(title=_sum_title(surface, effects, critical))
+            below.set_ylabel("contribution to DAE [-]")
+            below.legend(loc="upper left", ncols=3)
+        else:
+            above.set_title(f"the bridge, enlarged: {span:g} m")
+    return figure
+
+
+@_styled
+def smooth_daf_plot(surface: RampSurface, ax: Axes | None = None) -> Axes:
+    """Draw the DAF of a smooth road over the speed, Fig. 2 of the paper.
+
+    Parameters
+    ----------
+    surface : RampSurface
+        The ramp surface of bridge and vehicle.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure if omitted.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    ax = _axes(ax)
+    ax.plot(*_curve(surface, surface.daf_smooth), color=BLACK, **_dots(surface))
+    ax.set(xlabel=SPEED_LABEL, ylabel="DAF, smooth road [-]")
+    return ax
+
+
+@_styled
+def surface_plot(surface: RampSurface, *, difference: bool = False, ax: Axes | None = None) -> Axes:
+    """Draw the DAF of a ramp over its place and the speed: Figs. 5 and 6 of the paper.
+
+    Parameters
+    ----------
+    surface : RampSurface
+        A ramp surface of two speeds or more.
+    difference : bool, optional
+        Draw what the ramp changes, DAF_unit - DAF_smooth (Figs. 5(b) and 6(b)), in place of
+        DAF_unit itself (Figs. 5(a) and 6(a)).
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure if omitted.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    ValueError
+        If the surface has one speed only.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.plots import surface_plot
+    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
+    >>> surface_plot(surface).get_title()
+    'DAF with a 1 mm drop over 0.1 m'
+    """
+    if len(surface.speeds) < 2:
+        raise ValueError("surface must have two speeds or more to be drawn, got one")
+    ax = _axes(ax)
+    ramp = f"a {surface.ramp_height * 1e3:g} mm drop over {surface.ramp_length:g} m"
+    values, look = surface.daf_unit, dict[str, Any](cmap="cividis")
+    if difference:
+        values = values - surface.daf_smooth[:, np.newaxis]
+        look = {"cmap": "RdBu_r", "norm": CenteredNorm()}
+        ax.set_title(f"what {ramp} changes")
+    else:
+        ax.set_title(f"DAF with {ramp}")
+    places, kmh = surface.positions / surface.beam.length, surface.speeds * 3.6
+    filled = ax.contourf(places, kmh, values, levels=16, **look)
+    ax.contour(filled, colors=BLACK, linewidths=0.25, alpha=0.5)
+    label = "change of the DAF [-]" if difference else "DAF [-]"
+    ax.figure.colorbar(filled, ax=ax, label=label, pad=0.02)
+    ax.set(xlabel=PLACE_LABEL, ylabel=SPEED_LABEL)
+    return ax
+
+
+@_styled
+def paper_figure(results: PaperResults) -> Figure:
+    """Draw Figs. 2, 5(a), 5(b), 6(a) and 6(b) of the paper as computed.
+
+    Parameters
+    ----------
+    results : PaperResults
+        See `bridgectl.paper.paper_results`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = Figure(figsize=(10.0, 10.5), layout="constrained")
+    panels = figure.subplot_mosaic([["2", "2"], ["5(a)", "5(b)"], ["6(a)", "6(b)"]])
+    top = smooth_daf_plot(results.unit, panels["2"])
+    top.set_title("DAF of a smooth road")
+    printed = li2006.PRINTED["daf_smooth_110"]
+    top.plot(EXAMPLE_KMH, printed, "o", color=VERMILLION, label=f"printed: {printed:g}")
+    top.margins(x=0)
+    top.legend()
+    for name, surface in (("5", results.unit), ("6", results.tall)):
+        surface_plot(surface, ax=panels[f"{name}(a)"])
+        surface_plot(surface, difference=True, ax=panels[f"{name}(b)"])
+    for name, panel in panels.items():
+        panel.set_title(f"Fig. {name}: {panel.get_title(loc='left')}")
+    return figure
+
+
+def _axes(ax: Axes | None) -> Axes:
+    return Figure(layout="constrained").subplots() if ax is None else ax
+
+
+def _curve(surface: RampSurface, values: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Speeds [km/h] in increasing order, and values."""
+    order = np.argsort(surface.speeds)
+    return surface.speeds[order] * 3.6, np.asarray(values)[order]
+
+
+def _dots(surface: RampSurface) -> dict[str, Any]:
+    return {"marker": "o"} if len(surface.speeds) < FEW else {}
+
+
+def _draw_speeds(
+    ax: Axes,
+    surface: RampSurface,
+    road: RoadProfile,
+    superposed: FloatArray,
+    simulated: ArrayLike | None,
+    critical: int,
+) -> None:
+    def curve(values: ArrayLike, label: str, color: str, style: str, width: float) -> None:
+        x, y = _curve(surface, values)
+        ax.plot(x, y, style, color=color, lw=width, label=label, ms=width + 2, **_dots(surface))
+
+    known = superposed if simulated is None else np.asarray(simulated)
+    curve(surface.daf_smooth, "DAF, smooth road", GREY, ":", 1.8)
+    curve(superposed, "superposed DAF", SKY, "-", 5.0)
+    if simulated is not None:
+        curve(simulated, "simulated DAF", BLACK, "-", 1.3)
+    dae = surface.dae(road)
+    curve(dae, "DAE", VERMILLION, "--", 1.8)
+    kmh, peak = surface.speeds[critical] * 3.6, known[critical]
+    in_left_half = kmh <= 3.6 * (surface.speeds.min() + surface.speeds.max()) / 2
+    ax.axvline(kmh, color=GREY, lw=0.9, zorder=1)
+    ax.annotate(
+        f"critical speed {kmh:.4g} km/h, DAF {peak:.3f}",
+        (kmh, max(peak, dae.max(), surface.daf_smooth.max())),
+        (7 if in_left_half else -7, 7),
+        textcoords="offset points",
+        ha="left" if in_left_half else "right",
+    )
+    ax.margins(x=0.01, y=0.1)
+    ax.set(xlabel=SPEED_LABEL, ylabel="amplification DAF, DAE [-]")
+    ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=4)
+
+
+def _draw_road(
+    ax: Axes, surface: RampSurface, road: RoadProfile, window: tuple[float, float]
+) -> None:
+    """The road in mm, with the ground and the bridge below it."""
+    span = surface.beam.length
+    inner = road.x[(road.x > window[0]) & (road.x < window[1])]
+    x = np.unique(np.concatenate([inner, [*window, 0.0, span]]))
+    # Level before and after the road, as the crossing takes it.
+    z = 1e3 * road.elevation_at(np.clip(x, road.x[0], road.x[-1]))
+    height = max(float(np.ptp(z)), 1.0)
+    under_deck, bottom = z.min() - 0.12 * height, z.min() - 0.5 * height
+    ax.axvspan(0, span, color=BRIDGE_TINT, zorder=0)
+    for side in (x <= 0, x >= span):
+        ax.fill_between(x[side], z[side], bottom, color=GROUND, lw=0)
+    on = (x >= 0) & (x <= span)
+    ax.fill_between(x[on], z[on], under_deck, color=DECK, lw=0)
+    ax.plot([0, span], [under_deck] * 2, ls="none", marker=CARETUP, ms=9, color=DECK)
+    ax.plot(x, z, color=BLACK, lw=1.1)
+    ax.set(xlim=window, ylim=(bottom, z.max() + 0.1 * height))
+    ax.tick_params(labelbottom=False)
+
+
+def _draw_contributions(
+    ax: Axes, surface: RampSurface, effects: FloatArray, window: tuple[float, float]
+) -> None:
+    """What each ramp adds to the DAE, as a line at its middle."""
+    x = surface.positions + surface.ramp_length / 2
+    ax.axvspan(0, surface.beam.length, color=BRIDGE_TINT, zorder=0)
+    for sign, color, label in ((1, VERMILLION, "raises it"), (-1, BLUE, "lowers it")):
+        of_sign = sign * effects > 0
+        ax.vlines(x[of_sign], 0, effects[of_sign], color=color, lw=1.1, label=label)
+    largest = np.argsort(-np.abs(effects), kind="stable")[:MARKED]
+    seen = largest[(x[largest] > window[0]) & (x[largest] < window[1])]
+    ax.plot(x[seen], effects[seen], "o", ms=4, color=BLACK, label=f"{MARKED} largest")
+    ax.axhline(0, color=GREY, lw=0.8)
+    ax.set_xlabel(STATION_LABEL)
+    ax.margins(y=0.12)
+
+
+def _road_title(surface: RampSurface) -> str:
+    if surface.approach == 0:
+        return f"the road on the bridge of {surface.beam.length:g} m"
+    return f"the road: {surface.approach:g} m of approach, {surface.beam.length:g} m of bridge"
+
+
+def _sum_title(surface: RampSurface, effects: FloatArray, critical: int) -> str:
+    smooth, added = surface.daf_smooth[critical], float(effects.sum())
+    return (
+        f"DAE at {surface.speeds[critical] * 3.6:.4g} km/h: {smooth + added:.3f} = "
+        f"{smooth:.3f} smooth {'+' if added >= 0 else '-'} {abs(added):.3f} from ramps"
+    )

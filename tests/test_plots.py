@@ -1,0 +1,75 @@
+import numpy as np
+import pytest
+from helpers import rough_road
+
+import bridgectl as bc
+from bridgectl.paper import paper_results
+from bridgectl.plots import dae_figure, paper_figure, smooth_daf_plot, surface_plot
+
+
+@pytest.fixture(scope="module")
+def surface(bridge, truck):
+    return bc.ramp_surface(bridge, truck, np.arange(60, 121, 20) / 3.6, approach=50, ramp_length=1)
+
+
+def labels(figure):
+    return [axes.get_xlabel() for axes in figure.axes] + [a.get_ylabel() for a in figure.axes]
+
+
+def test_the_dae_figure_has_units_on_every_labelled_axis(surface, tmp_path):
+    road = rough_road(1, -50, 25)
+    figure = dae_figure(surface, road)
+    told = {label for label in labels(figure) if label}
+    assert told == {
+        "speed [km/h]",
+        "amplification DAF, DAE [-]",
+        "elevation [mm]",
+        "x from the start of the bridge [m]",
+        "contribution to DAE [-]",
+    }
+    assert len(figure.axes) == 5  # speeds; road and ramps, whole and enlarged
+    figure.savefig(tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").stat().st_size > 20_000
+
+
+def test_the_dae_figure_draws_the_surfaces_own_numbers(surface):
+    road = rough_road(1, -50, 25)
+    figure = dae_figure(surface, road, simulated=surface.superposed_daf(road))
+    curves = {line.get_label(): line.get_ydata() for line in figure.axes[0].lines}
+    assert curves["DAE"] == pytest.approx(surface.dae(road))
+    assert curves["DAF, smooth road"] == pytest.approx(surface.daf_smooth)
+    assert curves["superposed DAF"] == pytest.approx(curves["simulated DAF"])
+
+
+def test_without_an_approach_the_bridge_needs_no_enlargement(bridge, truck):
+    surface = bc.ramp_surface(bridge, truck, [20.0, 30.0])
+    figure = dae_figure(surface, bc.li2006.fig7_road())
+    assert len(figure.axes) == 3
+
+
+def test_a_surface_draws_itself(surface):
+    axes = surface.plot()
+    assert axes.get_xlabel() == "start of the ramp, x/l [-]"
+    assert (
+        surface.plot(difference=True).get_title(loc="left") == "what a 1 mm drop over 1 m changes"
+    )
+
+
+def test_speeds_are_drawn_in_order_whatever_their_order_was(bridge, truck):
+    surface = bc.ramp_surface(bridge, truck, [30.0, 20.0], ramp_length=5)
+    line = smooth_daf_plot(surface).lines[0]
+    assert line.get_xdata() == pytest.approx([72, 108])
+    assert line.get_ydata() == pytest.approx(surface.daf_smooth[::-1])
+
+
+def test_a_surface_of_one_speed_cannot_be_drawn(bridge, truck):
+    surface = bc.ramp_surface(bridge, truck, 30.0, ramp_length=5)
+    with pytest.raises(ValueError, match="surface must have two speeds or more"):
+        surface_plot(surface)
+
+
+def test_the_papers_figures_are_five_titled_panels():
+    figure = paper_figure(paper_results())
+    titles = [axes.get_title(loc="left") for axes in figure.axes if axes.get_title(loc="left")]
+    starts = [title.split(":")[0] for title in titles]
+    assert starts == ["Fig. 2", "Fig. 5(a)", "Fig. 5(b)", "Fig. 6(a)", "Fig. 6(b)"]
