@@ -184,7 +184,7 @@ def surface_plot(surface: RampSurface, *, difference: bool = False, ax: Axes | N
     >>> import bridgectl as bc
     >>> from bridgectl.plots import surface_plot
     >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
-    >>> surface_plot(surface).get_title()
+    >>> surface_plot(surface).get_title(loc="left")
     'DAF with a 1 mm drop over 0.1 m'
     """
     if len(surface.speeds) < 2:
