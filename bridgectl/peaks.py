@@ -79,7 +79,9 @@ def _quartic_peaks(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
     inner = np.clip(top, 1, len(_FINE) - 2)
     before, at, after = (fine[inner + shift, each] for shift in (-1, 0, 1))
     bend = before - 2 * at + after
-    curved = (bend < 0) & (top == inner)
-    shift = np.divide(before - after, 2 * bend, out=np.zeros_like(bend), where=curved)
-    values = fine[top, each] - np.where(curved, (before - after) * shift / 4, 0.0)
-    return values, _FINE[top] + shift * _FINE[1]
+    shift = np.divide(before - after, 2 * bend, out=np.full_like(bend, np.inf), where=bend < 0)
+    # The parabola's top counts inside the cell: near its ends the cell next door has it.
+    inside = np.abs(shift) <= 1
+    shift = np.where(inside, shift, top - inner)
+    values = np.where(inside, at - (before - after) * shift / 4, fine[top, each])
+    return values, (inner + shift) * _FINE[1]

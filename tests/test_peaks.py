@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from bridgectl.peaks import find_peaks
@@ -10,6 +10,7 @@ NODES = np.linspace(0, 10, 41)
 X = sample_positions(NODES)
 
 
+@example(1.9965628464461576, 2.0)
 @given(st.floats(0.2, 9.8), st.floats(1.5, 3.0))
 def test_a_smooth_peak_between_samples_is_found(place, width):
     def hump(x):
