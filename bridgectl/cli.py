@@ -7,7 +7,7 @@ import json
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -19,6 +19,9 @@ from bridgectl.recovery import RECOVERIES
 
 RAMP_LENGTH = 0.1
 """Length of the ramps [m], as in the paper."""
+
+SPEEDS_KMH = (1.0, 1000.0)
+"""Speeds that make sense [km/h]: a crawling vehicle needs cells, and memory, without end."""
 
 MAIN_HELP = """\
 What a road does to a bridge: dynamic amplification of a vehicle's crossing.
@@ -79,7 +82,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("always", UserWarning)
-            warnings.showwarning = _show_warning
+            warnings.showwarning = _show_each_once()
             args = _parser().parse_args(argv)
             args.run(args)
             sys.stdout.flush()
@@ -91,15 +94,26 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (ValueError, TypeError, NotImplementedError, OSError) as error:
         _tell("error", error)
         return 2
+    except MemoryError:  # so many modes, or a vehicle so stiff, take steps without end
+        _tell("error", "not enough memory: type fewer --modes, or check stiffnesses and damping")
+        return 2
     return 0
 
 
 def _tell(kind: str, message: object) -> None:
-    print(f"bridgectl: {kind}: {' '.join(str(message).split())}", file=sys.stderr)
+    line = "".join(c if c.isprintable() else " " for c in str(message))
+    print(f"bridgectl: {kind}: {' '.join(line.split())}", file=sys.stderr)
 
 
-def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    _tell("warning", message)
+def _show_each_once() -> Callable[..., None]:
+    told: set[str] = set()
+
+    def show(message: Warning | str, *_: Any, **__: Any) -> None:
+        if str(message) not in told:
+            told.add(str(message))
+            _tell("warning", message)
+
+    return show
 
 
 def _parser() -> _Parser:
@@ -156,7 +170,7 @@ def _add_bridge_options(parser: _Parser) -> None:
     bridge.add_argument("--deck", help="solid, Y or super-Y, for spans that have several")
     bridge.add_argument("--modes", type=int, default=3, metavar="N", help="number (default 3)")
     bridge.add_argument(
-        "--damping-ratio", type=float, default=0.0, metavar="Z", help="of mode 1 (default 0)"
+        "--damping-ratio", default="0", metavar="Z", help="of mode 1, or A,B,C of each (default 0)"
     )
     bridge.add_argument(
         "--section", type=float, default=0.5, metavar="S",
@@ -187,9 +201,9 @@ def _run_dae(args: argparse.Namespace) -> None:
 
     speeds = _speeds(args.speeds) / 3.6
     _check_plot(args.plot)
-    beam = bc.li2006.beam(
-        args.span, args.deck, n_modes=args.modes, damping_ratio=args.damping_ratio
-    )
+    ratios = tuple(_numbers("--damping-ratio", args.damping_ratio, float))
+    damping_ratio = ratios if len(ratios) > 1 else ratios[0]
+    beam = bc.li2006.beam(args.span, args.deck, n_modes=args.modes, damping_ratio=damping_ratio)
     vehicle = bc.QuarterCar(
         args.sprung_mass,
         args.unsprung_mass,
@@ -226,8 +240,13 @@ def _run_dae(args: argparse.Namespace) -> None:
 
 def _road(args: argparse.Namespace, span: float) -> tuple[bc.RoadProfile, float]:
     """The road under approach and bridge, in ramps, and the station of the bridge."""
-    if args.approach < 0:
+    if not 0 <= args.approach < np.inf:
         raise ValueError(f"--approach must be 0 m or more, got {args.approach:g}")
+    if not np.isclose(args.approach, round(args.approach / RAMP_LENGTH) * RAMP_LENGTH, 0, 1e-9):
+        raise ValueError(
+            f"--approach must be a whole number of {RAMP_LENGTH:g} m ramps, "
+            f"got {args.approach:.10g}"
+        )
     if args.file is None:
         whole = bc.utia_road()
     else:
@@ -270,7 +289,10 @@ def _speeds(text: str) -> FloatArray:
         speeds = first + step * np.arange(int((last - first) / step + 1e-9) + 1)
     if not (np.isfinite(speeds).all() and (speeds > 0).all()):
         raise ValueError(f"--speeds must be above 0 km/h, got {text!r}")
-    return speeds
+    slowest, fastest = SPEEDS_KMH
+    if speeds.min() < slowest or speeds.max() > fastest:
+        raise ValueError(f"--speeds must be {slowest:g} to {fastest:g} km/h, got {text!r}")
+    return np.unique(speeds)
 
 
 def _numbers(option: str, text: str, kind: type) -> list[Any]:
@@ -290,6 +312,8 @@ def _check_plot(path: Path | None) -> None:
         raise ValueError(f"--plot: the folder {str(path.parent)!r} does not exist")
     if path.is_dir():
         raise ValueError(f"--plot must name a file, got the folder {str(path)!r}")
+    if not os.access(path if path.exists() else path.absolute().parent, os.W_OK):
+        raise ValueError(f"--plot: no permission to write {str(path)!r}")
 
 
 def _tell_drawn(path: Path | None) -> None:

@@ -15,8 +15,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import CenteredNorm
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.markers import CARETUP
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from bridgectl import li2006
@@ -28,7 +28,7 @@ from bridgectl.road import RoadProfile
 # Okabe and Ito's palette, and what the bridge is made of.
 SKY, BLUE, VERMILLION = "#56B4E9", "#0072B2", "#D55E00"
 BLACK, GREY = "#222222", "#8a8a8a"
-GROUND, DECK, BRIDGE_TINT = "#ddd8cc", "#59656d", "#edf4f9"
+GROUND, PAVEMENT, DECK, BRIDGE_TINT = "#ddd8cc", "#aeb8bf", "#3f4a52", "#edf4f9"
 
 STYLE: Any = {
     "font.size": 10.0,
@@ -111,27 +111,27 @@ def dae_figure(
     exact = np.asarray(surface.superposed_daf(road) if superposed is None else superposed)
     known = exact if simulated is None else np.asarray(simulated)
     critical = int(known.argmax())
-    figure = Figure(figsize=(10.0, 9.0), layout=ConstrainedLayoutEngine(h_pad=0.08))
-    span = surface.beam.length
-    margin = 0.08 * span
-    windows = [(-surface.approach - margin, span + margin)]
-    if surface.approach > span:  # the bridge would be a sliver
-        windows.append((-margin, span + margin))
+    kmh, effects = surface.speeds[critical] * 3.6, surface.contributions(road)[critical]
+    figure = Figure(figsize=(10.0, 9.2), layout="constrained")
+    # A dollar sign in the name of a file is no formula.
+    title = f"{road.name or 'road'}: amplification on a bridge of {_span(surface)}"
+    figure.suptitle(title, parse_math=False)
+    windows = _windows(surface)
     grid = figure.add_gridspec(3, len(windows), height_ratios=(1.4, 0.9, 1.0))
     _draw_speeds(figure.add_subplot(grid[0, :]), surface, road, exact, simulated, critical)
-    effects = surface.contributions(road)[critical]
-    for column, window in enumerate(windows):
+    for column, (window, title) in enumerate(windows.items()):
         above = figure.add_subplot(grid[1, column])
         _draw_road(above, surface, road, window)
         below = figure.add_subplot(grid[2, column], sharex=above)
         _draw_contributions(below, surface, effects, window)
-        if column == 0:
-            above.set(title=_road_title(surface), ylabel="elevation [mm]")
-            below.set(title=_sum_title(surface, effects, critical))
-            below.set_ylabel("contribution to DAE [-]")
-            below.legend(loc="upper left", ncols=3)
-        else:
-            above.set_title(f"the bridge, enlarged: {span:g} m")
+        above.set_title(title)
+        above.set_ylabel("elevation [mm]")
+        below.set_ylabel("contribution to DAE [-]")
+        below.set_title(f"at {kmh:.4g} km/h, each ramp's contribution")
+    equation = _sum(surface.daf_smooth[critical], effects)
+    below.set_title(equation if len(windows) > 1 else f"at {kmh:.4g} km/h: {equation}")
+    # The right half of a bridge is nearly free: ramps there come after the peak.
+    below.legend(loc="upper right")
     return figure
 
 
@@ -191,18 +191,26 @@ def surface_plot(surface: RampSurface, *, difference: bool = False, ax: Axes | N
         raise ValueError("surface must have two speeds or more to be drawn, got one")
     ax = _axes(ax)
     ramp = f"a {surface.ramp_height * 1e3:g} mm drop over {surface.ramp_length:g} m"
-    values, look = surface.daf_unit, dict[str, Any](cmap="cividis")
+    values: FloatArray = surface.daf_unit
+    ticks: FloatArray | None = None
+    look: dict[str, Any] = {"levels": 16, "cmap": "cividis"}
     if difference:
         values = values - surface.daf_smooth[:, np.newaxis]
-        look = {"cmap": "RdBu_r", "norm": CenteredNorm()}
+        # No change is the middle of a band of one colour, not the edge between two.
+        bands = MaxNLocator(12, symmetric=True).tick_values(values.min(), values.max())
+        middles = np.asarray(bands)
+        step = middles[1] - middles[0]
+        levels = np.append(middles - step / 2, middles[-1] + step / 2)
+        look = {"levels": levels, "cmap": "RdBu_r", "norm": CenteredNorm()}
+        ticks = middles[middles.size // 2 % 2 :: 2]  # every other one, with 0 among them
         ax.set_title(f"what {ramp} changes")
     else:
         ax.set_title(f"DAF with {ramp}")
     places, kmh = surface.positions / surface.beam.length, surface.speeds * 3.6
-    filled = ax.contourf(places, kmh, values, levels=16, **look)
+    filled = ax.contourf(places, kmh, values, **look)
     ax.contour(filled, colors=BLACK, linewidths=0.25, alpha=0.5)
     label = "change of the DAF [-]" if difference else "DAF [-]"
-    ax.figure.colorbar(filled, ax=ax, label=label, pad=0.02)
+    ax.figure.colorbar(filled, ax=ax, label=label, ticks=ticks, pad=0.02)
     ax.set(xlabel=PLACE_LABEL, ylabel=SPEED_LABEL)
     return ax
 
@@ -294,12 +302,14 @@ def _draw_road(
     # Level before and after the road, as the crossing takes it.
     z = 1e3 * road.elevation_at(np.clip(x, road.x[0], road.x[-1]))
     height = max(float(np.ptp(z)), 1.0)
-    under_deck, bottom = z.min() - 0.12 * height, z.min() - 0.5 * height
+    on = (x >= 0) & (x <= span)
+    deck = z[on].min() - 0.04 * height
+    under_deck, bottom = deck - 0.09 * height, min(z.min(), deck) - 0.45 * height
     ax.axvspan(0, span, color=BRIDGE_TINT, zorder=0)
     for side in (x <= 0, x >= span):
         ax.fill_between(x[side], z[side], bottom, color=GROUND, lw=0)
-    on = (x >= 0) & (x <= span)
-    ax.fill_between(x[on], z[on], under_deck, color=DECK, lw=0)
+    ax.fill_between(x[on], z[on], deck, color=PAVEMENT, lw=0)
+    ax.fill_between([0, span], deck, under_deck, color=DECK, lw=0)
     ax.plot([0, span], [under_deck] * 2, ls="none", marker=CARETUP, ms=9, color=DECK)
     ax.plot(x, z, color=BLACK, lw=1.1)
     ax.set(xlim=window, ylim=(bottom, z.max() + 0.1 * height))
@@ -316,22 +326,35 @@ def _draw_contributions(
         of_sign = sign * effects > 0
         ax.vlines(x[of_sign], 0, effects[of_sign], color=color, lw=1.1, label=label)
     largest = np.argsort(-np.abs(effects), kind="stable")[:MARKED]
-    seen = largest[(x[largest] > window[0]) & (x[largest] < window[1])]
+    seen = largest[(x[largest] > window[0]) & (effects[largest] != 0)]
     ax.plot(x[seen], effects[seen], "o", ms=4, color=BLACK, label=f"{MARKED} largest")
     ax.axhline(0, color=GREY, lw=0.8)
     ax.set_xlabel(STATION_LABEL)
     ax.margins(y=0.12)
 
 
-def _road_title(surface: RampSurface) -> str:
-    if surface.approach == 0:
-        return f"the road on the bridge of {surface.beam.length:g} m"
-    return f"the road: {surface.approach:g} m of approach, {surface.beam.length:g} m of bridge"
+def _windows(surface: RampSurface) -> dict[tuple[float, float], str]:
+    """What each column shows: the approach and the bridge, or each on its own scale."""
+    span, approach = surface.beam.length, surface.approach
+    margin = 0.08 * span
+    alone = (-approach - margin, span + margin)
+    if approach == 0:
+        return {alone: f"the road on the bridge of {_span(surface)}"}
+    title = f"the road: {approach:g} m of approach, then the bridge"
+    if approach <= span:
+        return {alone: title}
+    wider = 0.03 * (approach + span)
+    return {
+        (-approach - wider, span + wider): title,
+        (-margin, span + margin): f"the {_span(surface)} of the bridge, enlarged",
+    }
 
 
-def _sum_title(surface: RampSurface, effects: FloatArray, critical: int) -> str:
-    smooth, added = surface.daf_smooth[critical], float(effects.sum())
-    return (
-        f"DAE at {surface.speeds[critical] * 3.6:.4g} km/h: {smooth + added:.3f} = "
-        f"{smooth:.3f} smooth {'+' if added >= 0 else '-'} {abs(added):.3f} from ramps"
-    )
+def _span(surface: RampSurface) -> str:
+    return f"{surface.beam.length:g} m"
+
+
+def _sum(smooth: float, effects: FloatArray) -> str:
+    added = float(effects.sum())
+    sign = "+" if added >= 0 else "-"
+    return f"smooth {smooth:.3f} {sign} ramps {abs(added):.3f} = DAE {smooth + added:.3f}"

@@ -42,6 +42,9 @@ MAX_WIDTH = 0.1
 MAX_VEHICLE_PHASE = 0.4
 MAX_BEAM_PHASE = 1.7
 
+MAX_CELLS = 400_000
+"""Most cells of a crossing: beyond, a parameter is off, and memory would run out."""
+
 SAME_PLACE = 1e-9
 """Stations closer than this [m] are one: below any road's resolution, above round-off."""
 
@@ -146,10 +149,18 @@ def cell_nodes(crossing: Crossing, speed: float, kinks: FloatArray, refine: int 
     Cells are short enough for the fastest motions at `speed`, the slowest of a batch;
     `refine` cuts each into as many again.
     """
-    fastest = np.abs(np.linalg.eigvals(crossing.linear.state_matrix_on_tires)).max()
+    fastest = np.abs(np.linalg.eigvals(crossing.linear.state_matrix_on_tires())).max()
     phases = [MAX_VEHICLE_PHASE / fastest, MAX_BEAM_PHASE / crossing.beam.omega[-1]]
     width = min(MAX_WIDTH, *(phase * speed for phase in phases))
-    pieces = refine * np.ceil(np.diff(kinks) / width - SAME_PLACE).astype(int)
+    pieces = refine * np.ceil(np.diff(kinks) / width - SAME_PLACE)
+    if pieces.sum() > MAX_CELLS:
+        raise ValueError(
+            f"the crossing at {speed:g} m/s needs {pieces.sum():.3g} cells of {width:.2g} m, more "
+            f"than {MAX_CELLS}: the vehicle's fastest motion is at {fastest:.3g} rad/s (check "
+            f"stiffnesses, damping and masses), the beam's at {crossing.beam.omega[-1]:.3g} rad/s "
+            "(type a smaller n_modes)"
+        )
+    pieces = pieces.astype(int)
     first, steps = np.repeat([kinks[:-1], np.diff(kinks) / pieces], pieces, axis=1)
     within = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
     return np.append(first + within * steps, kinks[-1])
@@ -177,14 +188,21 @@ def road_rows(road: FloatArray) -> FloatArray:
 
 
 def build_cells(
-    crossing: Crossing, speeds: FloatArray, nodes: FloatArray, *, on_bridge: bool
+    crossing: Crossing,
+    speeds: FloatArray,
+    nodes: FloatArray,
+    *,
+    on_bridge: bool,
+    contact: NDArray[np.bool_] | None = None,
 ) -> Cells:
     """Compute the maps of the cells between nodes.
 
     With ``on_bridge=False`` all tires run on a rigid road: vehicle states alone, and cells
-    of one width share their maps.
+    of one width share their maps. `contact` tells which tires touch the road, by default all;
+    a tire in flight has R = 0, and where others have u it has its force on the vehicle, R - W.
     """
     vehicle, n = crossing.linear, crossing.n_vehicle
+    contact = np.ones(vehicle.n_tires, dtype=bool) if contact is None else contact
     # Widths that differ by round-off only share their matrix exponentials.
     widths, kind = np.unique(np.round(np.diff(nodes), 10), return_inverse=True)
     if on_bridge:
@@ -195,7 +213,9 @@ def build_cells(
         positions = np.zeros((len(widths), N_STAGES))
     durations = widths / speeds[:, np.newaxis]
     free_vehicle, held_vehicle = _hold_responses(
-        vehicle.state_matrix_on_tires, vehicle.road_input, durations
+        vehicle.state_matrix_on_tires(contact),
+        np.where(contact, vehicle.road_input, vehicle.tire_input),
+        durations,
     )
     free_modes, held_modes = _hold_responses(*_modes(crossing, n_modes), durations)
 
@@ -203,9 +223,10 @@ def build_cells(
     q = N_STAGES * vehicle.n_tires  # tires innermost
     shapes = shapes.reshape(len(positions), q, n_modes)
     per_force = _modal_gains(held_modes[:, kind_of_map], shapes)
-    from_vehicle, spring = _vehicle_stages(crossing, free_vehicle, held_vehicle)
+    from_vehicle, spring = _vehicle_stages(crossing, free_vehicle, held_vehicle, contact)
     from_states, from_road = _solve_stages(
         crossing,
+        contact,
         from_vehicle[:, kind_of_map],
         spring[:, kind_of_map],
         *_beam_stages(free_modes[:, kind_of_map], per_force, shapes),
@@ -267,12 +288,13 @@ def _moment_maps(
 
 
 def _vehicle_stages(
-    crossing: Crossing, free: FloatArray, held: FloatArray
+    crossing: Crossing, free: FloatArray, held: FloatArray, contact: NDArray[np.bool_]
 ) -> tuple[FloatArray, FloatArray]:
     """G and H of the module's docstring: tire forces from the vehicle and the surface."""
     vehicle = crossing.linear
     stage, tire = np.divmod(np.arange(N_STAGES * vehicle.n_tires), vehicle.n_tires)
-    hubs, stiffness = vehicle.hubs[tire], vehicle.tire_stiffnesses[tire, np.newaxis]
+    hubs = vehicle.hubs[tire]
+    stiffness = (contact * vehicle.tire_stiffnesses)[tire, np.newaxis]
     held = held.reshape(*free.shape[:4], -1)[:, :, stage]
     from_vehicle = stiffness * np.einsum("qi,suqij->suqj", hubs, free[:, :, stage])
     from_surface = np.einsum("qi,suqij->suqj", hubs, held) - np.eye(len(stage))
@@ -281,6 +303,7 @@ def _vehicle_stages(
 
 def _solve_stages(
     crossing: Crossing,
+    contact: NDArray[np.bool_],
     from_vehicle: FloatArray,
     spring: FloatArray,
     from_beam: FloatArray,
@@ -294,7 +317,12 @@ def _solve_stages(
     road[:, :, own, tire] = 1.0
     road[:, :, own, n_tires + 1 + tire] = GAUSS[stage]
     loads = np.zeros(road.shape[2:])
-    loads[:, n_tires] = crossing.linear.static_loads[tire]
+    loads[:, n_tires] = (contact * crossing.linear.static_loads)[tire]
+    flying = np.nonzero(~contact[tire])[0]
+    from_beam, compliance = from_beam.copy(), compliance.copy()
+    for rows in (from_beam, compliance, road):
+        rows[:, :, flying] = 0.0
+    road[:, :, flying, n_tires] = -crossing.linear.static_loads[tire[flying]]
 
     right = [from_vehicle, spring @ from_beam, loads + spring @ road]
     identity = np.eye(len(stage))

@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import control
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
+from bridgectl.contact import fly
 from bridgectl.crossing import Crossing
 from bridgectl.peaks import find_peaks
 from bridgectl.propagator import SAME_PLACE, merge_places, sample_positions
@@ -91,8 +92,7 @@ def crossing_response(
     Warns
     -----
     LiftOffWarning
-        If a tire leaves the road; the response then has R = 0 in flight, by the 'control'
-        method.
+        If a tire leaves the road; the response then has R = 0 in flight.
 
     References
     ----------
@@ -115,20 +115,25 @@ def crossing_response(
         asked = _times(timepts, run) * crossing.speed
         nodes = merge_places(np.concatenate([asked, nodes]))
         keep = np.searchsorted(nodes, asked - SAME_PLACE)
-    if method == "propagator":
+    if method == "control":
+        states, forces = simulate_reference(run, nodes)
+    else:
         stretches = propagate(run, np.array([crossing.speed]), nodes)
         if not lifts_off(crossing, stretches)[0]:
-            return _as_response(run, nodes, keep, *at_nodes(crossing, stretches))
-    states, forces = simulate_reference(run, nodes)
-    flight = first_flight(nodes, forces)
-    if flight is not None:
+            return _as_response(run, nodes[keep], *at_nodes(crossing, stretches, keep))
+        flight = fly(run, nodes)
+        # The places of lift-offs and landings are among its nodes.
+        keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
+        nodes, states, forces = flight.nodes, flight.states, flight.forces
+    place = first_flight(nodes, forces)
+    if place is not None:
         warnings.warn(
-            f"a tire leaves the road, first with the reference tire at x = {flight:.2f} m: "
+            f"a tire leaves the road, first with the reference tire at x = {place:.2f} m: "
             "simulated with R >= 0; the crossing is not linear there",
             LiftOffWarning,
             stacklevel=3,
         )
-    return _as_response(run, nodes, keep, states, forces)
+    return _as_response(run, nodes[keep], states[:, keep], forces[:, keep])
 
 
 @on_one_thread
@@ -184,15 +189,15 @@ def daf(
     if method == "propagator":
         for batch in speed_batches(run, c):
             stretches = propagate(run, c[batch], run.nodes(c[batch].min()))
-            bridge = stretches[-1]
-            result[batch] = find_peaks(moment_samples(crossing, bridge).T).values
+            result[batch] = find_peaks(moment_samples(crossing, stretches[-1]).T).values
             linear[batch] = ~lifts_off(crossing, stretches)
+    simulate = _flying_peak if method == "propagator" else _reference_peak
     flights = {}
     for i in np.nonzero(~linear)[0]:
         at_speed = run._replace(crossing=replace(crossing, speed=float(c[i])))
-        result[i], flight = _reference_peak(at_speed)
-        if flight is not None:
-            flights[float(c[i])] = flight
+        result[i], place = simulate(at_speed)
+        if place is not None:
+            flights[float(c[i])] = place
     if flights:
         warnings.warn(
             f"a tire leaves the road at {len(flights)} of {c.size} speeds, the slowest "
@@ -204,8 +209,15 @@ def daf(
     return result
 
 
+def _flying_peak(run: Run) -> tuple[float, float | None]:
+    """DAF with the tires kept from pulling, and where one first leaves the road."""
+    flight = fly(run, run.nodes(run.crossing.speed))
+    peak = find_peaks(flight.moments[:, np.newaxis]).values[0]
+    return float(peak), first_flight(flight.nodes, flight.forces)
+
+
 def _reference_peak(run: Run) -> tuple[float, float | None]:
-    """DAF by the reference path, and where a tire first leaves the road."""
+    """The same by the reference route."""
     positions = sample_positions(run.nodes(run.crossing.speed))
     states, forces = simulate_reference(run, positions)
     moment = run.crossing.moments(positions, states[run.crossing.n_vehicle :].T, forces.T)
@@ -214,10 +226,9 @@ def _reference_peak(run: Run) -> tuple[float, float | None]:
 
 
 def _as_response(
-    run: Run, nodes: FloatArray, keep: NDArray[np.intp], states: FloatArray, forces: FloatArray
+    run: Run, positions: FloatArray, states: FloatArray, forces: FloatArray
 ) -> control.TimeResponseData:
-    crossing, positions = run.crossing, nodes[keep]
-    states, forces, time = states[:, keep], forces[:, keep], positions / crossing.speed
+    crossing, time = run.crossing, positions / run.crossing.speed
     damper = np.zeros((len(crossing.linear.damper_map), len(positions)))
     return control.TimeResponseData(
         time,

@@ -168,8 +168,10 @@ def _node_forces(crossing: Crossing, stretch: Stretch) -> FloatArray:
     )
 
 
-def at_nodes(crossing: Crossing, stretches: list[Stretch]) -> tuple[FloatArray, FloatArray]:
-    """States and tire forces of one speed at all nodes, shapes (n, m) and (n_tires, m)."""
+def at_nodes(
+    crossing: Crossing, stretches: list[Stretch], keep: NDArray[np.intp]
+) -> tuple[FloatArray, FloatArray]:
+    """States and tire forces of one speed at the nodes to keep, (n, m) and (n_tires, m)."""
     states, forces = [], []
     for stretch in stretches:
         # The last node of the approach is the first on the bridge.
@@ -178,7 +180,7 @@ def at_nodes(crossing: Crossing, stretches: list[Stretch]) -> tuple[FloatArray, 
         padded[:, : stretch.states.shape[-1]] = stretch.states[0]
         states.append(padded[:upto])
         forces.append(_node_forces(crossing, stretch)[0, :upto])
-    return np.concatenate(states).T, np.concatenate(forces).T
+    return np.concatenate(states)[keep].T, np.concatenate(forces)[keep].T
 
 
 def linear_contact(run: Run, speeds: FloatArray) -> NDArray[np.bool_]:

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import control
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
@@ -261,10 +261,13 @@ class Vehicle:
         """Selects the hub displacement of each tire from the states, shape (n_tires, 2 n)."""
         return np.asarray(self.tire_map @ self.displacements)
 
-    @cached_property
-    def state_matrix_on_tires(self) -> FloatArray:
-        """State matrix of the vehicle on its tires on a rigid road, shape (2 n, 2 n)."""
-        spring = self.tire_stiffnesses[:, np.newaxis] * self.hubs
+    def state_matrix_on_tires(self, contact: NDArray[np.bool_] | None = None) -> FloatArray:
+        """State matrix of the vehicle on those of its tires that touch a rigid road.
+
+        `contact` has shape (n_tires,), by default all do; the result is (2 n, 2 n).
+        """
+        touching = 1.0 if contact is None else contact
+        spring = (touching * self.tire_stiffnesses)[:, np.newaxis] * self.hubs
         return np.asarray(self.state_matrix + self.tire_input @ spring)
 
     @cached_property
@@ -297,7 +300,7 @@ class Vehicle:
         feedthrough = np.zeros((len(outputs), self.n_tires + n_dampers))
         feedthrough[: self.n_tires, : self.n_tires] = -np.diag(self.tire_stiffnesses)
         return control.ss(
-            self.state_matrix_on_tires,
+            self.state_matrix_on_tires(),
             np.hstack([self.road_input, self.damper_input]),
             outputs,
             feedthrough,

@@ -73,3 +73,14 @@ def test_the_papers_figures_are_five_titled_panels():
     titles = [axes.get_title(loc="left") for axes in figure.axes if axes.get_title(loc="left")]
     starts = [title.split(":")[0] for title in titles]
     assert starts == ["Fig. 2", "Fig. 5(a)", "Fig. 5(b)", "Fig. 6(a)", "Fig. 6(b)"]
+
+
+def test_a_dollar_sign_in_a_roads_name_is_no_formula(bridge, truck, tmp_path):
+    surface = bc.ramp_surface(bridge, truck, [20.0, 30.0])
+    flat = bc.RoadProfile([0, 25], [0, 0], name=r"cost $\x$")
+    dae_figure(surface, flat).savefig(tmp_path / "figure.png")
+
+
+def test_a_place_that_changes_nothing_has_the_middle_colour(surface):
+    bar = surface_plot(surface, difference=True).figure.axes[1]
+    assert 0.0 in bar.get_yticks()

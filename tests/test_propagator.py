@@ -1,3 +1,5 @@
+import dataclasses
+
 import numpy as np
 import pytest
 from helpers import random_case, rough_road
@@ -73,3 +75,9 @@ def test_smooth_roads_and_no_road_are_the_same(bridge, truck):
     assert bc.daf(bridge, truck, 30.0, flat, start=-10) == pytest.approx(
         bc.daf(bridge, truck, 30.0), abs=1e-9
     )
+
+
+def test_a_crossing_that_would_take_cells_without_end_is_an_error(bridge, truck):
+    rigid = dataclasses.replace(truck, tire_stiffness=1e14)
+    with pytest.raises(ValueError, match=r"needs .* cells .*check stiffnesses .*n_modes"):
+        bc.daf(bridge, rigid, 0.5)
