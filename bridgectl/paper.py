@@ -83,7 +83,7 @@ def paper_results() -> PaperResults:
     >>> from bridgectl.paper import paper_results
     >>> first = paper_results().rows[0]
     >>> print(f"{first.what}: printed {first.printed}, computed {first.computed:.4f}")
-    DAF of a smooth road, 110 km/h: printed 1.1302, computed 1.1302
+    smooth road, 110 km/h: DAF: printed 1.1302, computed 1.1302
     """
     unit, tall = _surface(1e-3), _surface(1e-2)
     rows = _smooth_rows(unit) + _unit_ramp_rows(unit) + _fig7_rows(unit) + _tall_ramp_rows(tall)
@@ -108,7 +108,7 @@ def _at(kmh: float) -> int:
 def _smooth_rows(surface: RampSurface) -> list[Row]:
     smooth = surface.daf_smooth
     example = Row(
-        f"DAF of a smooth road, {EXAMPLE_KMH} km/h",
+        f"smooth road, {EXAMPLE_KMH} km/h: DAF",
         "",
         li2006.PRINTED["daf_smooth_110"],
         float(smooth[_at(EXAMPLE_KMH)]),
@@ -118,7 +118,7 @@ def _smooth_rows(surface: RampSurface) -> list[Row]:
     twins = np.sort(peaks[np.argsort(smooth[peaks])[-2:]])
     return [example] + [
         Row(
-            f"critical speed, {which} of twin peaks",
+            f"critical speed, {which} of two",
             "km/h",
             li2006.PRINTED["critical_speed_kmh"],
             float(SPEEDS_KMH[peak]),
@@ -138,7 +138,7 @@ def _unit_ramp_rows(surface: RampSurface) -> list[Row]:
         for ramp in (start, start - 1):
             rows.append(
                 Row(
-                    f"effect of a 1 mm ramp at {place:g} l, {EXAMPLE_KMH} km/h",
+                    f"1 mm ramp at {place:g} l, {EXAMPLE_KMH} km/h",
                     "",
                     printed,
                     float(effect[ramp]),
@@ -158,7 +158,7 @@ def _fig7_rows(surface: RampSurface) -> list[Row]:
         )
         for what, computed in (("DAE", surface.dae(road)[speed]), ("DAF", simulated[0])):
             printed = li2006.PRINTED[f"fig7_{what.lower()}"]
-            rows.append(Row(f"{what} of Fig. 7", "", printed, float(computed), note))
+            rows.append(Row(f"Fig. 7: {what}", "", printed, float(computed), note))
     return sorted(rows, key=lambda row: row.what)
 
 
@@ -168,21 +168,21 @@ def _tall_ramp_rows(surface: RampSurface) -> list[Row]:
     effect = np.abs(surface.daf_unit - surface.daf_smooth[:, np.newaxis])[:, places > 0.5 - 1e-9]
     return [
         Row(
-            f"10 mm ramp that lowers the DAF most, {CRITICAL_KMH} km/h",
+            f"10 mm ramp, {CRITICAL_KMH} km/h: lowest at",
             "x/l",
-            None,
+            li2006.PRINTED["tall_ramp_lowest"],
             float(places[lowest]),
-            f"DAF {surface.daf_unit[speed, lowest]:.4f}; the paper: low near 0.23 l",
+            f"DAF {surface.daf_unit[speed, lowest]:.4f}",
         ),
-        _right_half(f"{CRITICAL_KMH} km/h", effect[speed : speed + 1], "the paper: none"),
+        _right_half(f"{CRITICAL_KMH} km/h", effect[speed : speed + 1], "largest effect"),
         _right_half(
             "any speed",
             effect,
-            f"at {SPEEDS_KMH[effect.max(axis=1).argmax()]:.0f} km/h, where a later peak takes over",
+            f"at {SPEEDS_KMH[effect.max(axis=1).argmax()]:.0f} km/h, a later peak",
         ),
     ]
 
 
 def _right_half(where: str, effect: FloatArray, note: str) -> Row:
-    what = f"largest effect of a 10 mm ramp in the right half, {where}"
-    return Row(what, "", None, float(effect.max()), note)
+    printed = li2006.PRINTED["tall_ramp_right_half"]
+    return Row(f"10 mm, right half, {where}", "", printed, float(effect.max()), note)

@@ -105,7 +105,7 @@ def test_paper_prints_every_printed_number_beside_ours(capsys, tmp_path):
     status, out, err = run(capsys, "paper", "--plot", picture)
     assert (status, err) == (0, "")
     for printed in bc.li2006.PRINTED.values():
-        assert re.search(rf" {printed:g}( km/h)? ", out), printed
+        assert re.search(rf" {printed:g}( km/h| x/l)? ", out), printed
     assert "1.13023" in out
     assert "+0.00003" in out
     assert picture.stat().st_size > 50_000
