@@ -168,7 +168,7 @@ def _tall_ramp_rows(surface: RampSurface) -> list[Row]:
     effect = np.abs(surface.daf_unit - surface.daf_smooth[:, np.newaxis])[:, places > 0.5 - 1e-9]
     return [
         Row(
-            f"10 mm ramp, {CRITICAL_KMH} km/h: lowest at",
+            f"10 mm ramp, {CRITICAL_KMH} km/h: low at",
             "x/l",
             li2006.PRINTED["tall_ramp_lowest"],
             float(places[lowest]),
