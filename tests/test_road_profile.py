@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
 from bridgectl.road import RoadProfile, utia_road
-from bridgectl.road.profile import MAX_SLOPE
+from bridgectl.road.limits import MAX_SLOPE
 
 ROUND_OFF = 1e-9  # [m]
 

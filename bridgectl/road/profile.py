@@ -8,22 +8,23 @@ nowhere else; `RoadProfile.ramps` gives the differences of that r.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, overload
 
 import numpy as np
 from numpy.polynomial import Polynomial
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 
+from .iri import segment_iri
+from .limits import TOLERANCE, require_gentle, require_increasing
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["MAX_SLOPE", "Ramps", "RoadProfile", "first_too_steep", "first_unsorted"]
+__all__ = ["Ramps", "RoadProfile"]
 
-MAX_SLOPE = 1.0  # [m/m]; no road climbs at 45 degrees, but millimetres read as metres do
-TOLERANCE = 1e-9  # [m]; stations closer than this are one place, apart only by round-off
 MAX_ORDER = 20  # least-squares polynomials of higher order lose their digits
 
 
@@ -84,8 +85,8 @@ steps 0.1 to 21.9 m)
                 f"x and elevation must have one length of at least 2, got {stations.size} and "
                 f"{heights.size} values: give one elevation [m] for every station [m]"
             )
-        _require_increasing(stations)
-        _require_gentle(stations, heights)
+        require_increasing(stations)
+        require_gentle(stations, heights)
         self._x, self._elevation, self._name = stations, heights, name
 
     @classmethod
@@ -324,6 +325,44 @@ steps 0.1 to 21.9 m)
         drops = self.drop(ends, first)
         return Ramps(ends[:-1], drops[1:] - drops[:-1])
 
+    @overload
+    def iri(self, segment: None = None) -> float: ...
+    @overload
+    def iri(self, segment: float) -> FloatArray: ...
+    def iri(self, segment: float | None = None) -> float | FloatArray:
+        """Return the International Roughness Index (Sayers 1995, ASTM E1926).
+
+        The golden car starts on the mean slope of the first 11 m and runs over the whole road.
+
+        Parameters
+        ----------
+        segment : float, optional
+            Give one IRI for each whole segment of this length [m]; of the whole road if omitted.
+
+        Returns
+        -------
+        float or ndarray
+            IRI [m/km].
+
+        Raises
+        ------
+        ValueError
+            If the stations are not evenly spaced, or the road is shorter than `segment`.
+
+        Warns
+        -----
+        UserWarning
+            If the window is shorter than 20 m, too short to mean anything.
+
+        Examples
+        --------
+        >>> from bridgectl.road import utia_road
+        >>> utia_road().iri(segment=100).round(3)
+        array([3.298, 2.442, 3.555, 4.086, 2.708])
+        """
+        values = segment_iri(self._x, self._elevation, segment)
+        return float(values[0]) if segment is None else values
+
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the elevation [mm] over the station [m] and return the matplotlib axes."""
         import matplotlib.pyplot as plt  # here, so that no crossing waits for matplotlib
@@ -356,40 +395,3 @@ steps 0.1 to 21.9 m)
 
     def _interpolated(self, stations: float | FloatArray) -> FloatArray:
         return np.asarray(np.interp(stations, self._x, self._elevation))
-
-
-def first_unsorted(x: FloatArray) -> int | None:
-    """Return the index of the first station that is not past the one before it, if any."""
-    return _first(~(x[1:] > x[:-1]))
-
-
-def first_too_steep(x: FloatArray, elevation: FloatArray) -> int | None:
-    """Return the index of the first point that a slope above `MAX_SLOPE` leads to, if any."""
-    with np.errstate(over="ignore"):
-        return _first(~(np.abs(np.diff(elevation)) <= MAX_SLOPE * np.diff(x) + TOLERANCE))
-
-
-def _first(bad: NDArray[np.bool_]) -> int | None:
-    return int(np.argmax(bad)) + 1 if bad.any() else None
-
-
-def _require_increasing(x: FloatArray) -> None:
-    if (i := first_unsorted(x)) is None:
-        return
-    repeated = x[i] == x[i - 1]
-    slip, remedy = ("repeats", "remove one") if repeated else ("lies before", "sort the points")
-    raise ValueError(
-        f"x must increase, but x[{i}] = {x[i]:.10g} m {slip} x[{i - 1}] = {x[i - 1]:.10g} m: "
-        f"{remedy}"
-    )
-
-
-def _require_gentle(x: FloatArray, elevation: FloatArray) -> None:
-    if (i := first_too_steep(x, elevation)) is None:
-        return
-    raise ValueError(
-        f"elevation[{i}] = {elevation[i]:.6g} m at x = {x[i]:.10g} m, after {elevation[i - 1]:.6g} "
-        f"m at {x[i - 1]:.10g} m, is steeper than {MAX_SLOPE:g} m/m: it looks like millimetres (or "
-        "another unit) read as metres: divide by 1000, or pass "
-        'units="m,mm" to read_profile'
-    )

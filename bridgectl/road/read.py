@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 
-from .profile import MAX_SLOPE, RoadProfile, first_too_steep, first_unsorted
+from .limits import MAX_SLOPE, first_too_steep, first_unsorted
+from .profile import RoadProfile
 
 __all__ = ["ProfileFileError", "read_profile", "utia_road"]
 

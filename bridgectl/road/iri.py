@@ -1,0 +1,164 @@
+"""The International Roughness Index (IRI): what a standard quarter-car feels of a road.
+
+The golden car runs at 80 km/h over the road's slope, averaged over 250 mm; the IRI is the mean
+rectified velocity of its suspension per speed, in m/km. Sayers (Transportation Research Record
+1501, 1995) and ASTM E1926 define it; slopes are taken constant between samples, as in ramps.
+"""
+
+from __future__ import annotations
+
+import warnings
+
+import control
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.signal import lfilter
+
+from bridgectl import _checks
+from bridgectl._checks import FloatArray
+
+from .limits import TOLERANCE
+
+SPEED = 80 / 3.6
+"""Speed of the golden car [m/s]."""
+
+TIRE, SUSPENSION, DAMPING, UNSPRUNG = 653.0, 63.3, 6.0, 0.15
+"""The golden car per sprung mass: k_t, k_s [1/s^2], c [1/s], m_u [-] (Sayers 1995)."""
+
+BASE = 0.25
+"""Length of the moving average that a tire stands for [m]."""
+
+START = 11.0
+"""Length over which the road's mean slope sets the car's initial state [m]: 0.5 s."""
+
+SHORT = 20.0
+"""Windows shorter than this [m] hold little more than one of the waves that the IRI weighs."""
+
+
+def golden_car() -> control.StateSpace:
+    """Return the golden car of the IRI as a linear system.
+
+    Returns
+    -------
+    control.StateSpace
+        Input 'slope' [-] of the road, output 'suspension' [-], the suspension's velocity per
+        speed. States: slopes of sprung and unsprung mass and their rates.
+
+    References
+    ----------
+    M. W. Sayers, Transportation Research Record 1501 (1995) 1-12.
+
+    Examples
+    --------
+    >>> from bridgectl.road.iri import golden_car
+    >>> [round(abs(float(f)) / 6.28319, 2) for f in sorted(set(abs(golden_car().poles())))]
+    [1.24, 10.76]
+    """
+    matrix = [
+        [0, 1, 0, 0],
+        [-SUSPENSION, -DAMPING, SUSPENSION, DAMPING],
+        [0, 0, 0, 1],
+        [SUSPENSION, DAMPING, -TIRE - SUSPENSION, -DAMPING],
+    ]
+    a = np.array(matrix, dtype=float)
+    a[3] /= UNSPRUNG
+    return control.ss(
+        a,
+        [[0], [0], [0], [TIRE / UNSPRUNG]],
+        [[-1, 0, 1, 0]],
+        0,
+        inputs=["slope"],
+        outputs=["suspension"],
+        states=["sprung", "sprung_rate", "unsprung", "unsprung_rate"],
+        name="golden car",
+    )
+
+
+def rectified_slope(elevation: ArrayLike, step: float) -> FloatArray:
+    """Rectified suspension motion along evenly sampled roads; its mean is the IRI.
+
+    Parameters
+    ----------
+    elevation : array_like, shape (..., n)
+        Elevations [m] of one road or track, or of many.
+    step : float
+        Distance between the samples [m].
+
+    Returns
+    -------
+    ndarray, shape (..., n - k)
+        In m/km, for each step; k = max(1, round(0.25 / step)) samples make the 250 mm base.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `step` is not above 0, or a road is shorter than the 250 mm base.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bridgectl.road.iri import rectified_slope
+    >>> wave = 1e-3 * np.sin(2 * np.pi * np.arange(0, 500, 0.05) / 10)
+    >>> print(f"{rectified_slope(wave, 0.05)[2000:].mean():.3f} m/km")
+    0.503 m/km
+    """
+    heights = np.asarray(elevation, dtype=np.float64)
+    dx = _checks.positive("step", step, unit="m")
+    # Sayers rounds halves up: 3 samples at 0.1 m, where round() would take 2.
+    base = max(1, int(np.floor(BASE / dx + 0.5)))
+    if heights.shape[-1] < base + 2:
+        raise ValueError(
+            f"elevation must reach over more than {BASE:g} m, got {heights.shape[-1]} samples "
+            f"{dx:g} m apart"
+        )
+    slopes = (heights[..., base:] - heights[..., :-base]) / (base * dx)
+    first = min(int(np.floor(START / dx + 0.5)), heights.shape[-1] - 1)
+    mean_slope = (heights[..., first] - heights[..., 0]) / (first * dx)
+    return np.asarray(1e3 * np.abs(_suspension(slopes, mean_slope, dx)))
+
+
+def _suspension(slopes: FloatArray, mean_slope: FloatArray, step: float) -> FloatArray:
+    """Suspension output of the golden car, exact for slopes constant over each step.
+
+    The car's two pairs of complex modes each make a first-order recursion.
+    """
+    car = golden_car()
+    poles, shapes = np.linalg.eig(car.A)
+    gains = np.linalg.solve(shapes, car.B[:, 0]) * np.expm1(poles * step / SPEED) / poles
+    start = np.linalg.solve(shapes, [1.0, 0.0, 1.0, 0.0])
+    output = np.zeros_like(slopes)
+    for i in np.nonzero(poles.imag > 0)[0]:
+        decay = np.exp(poles[i] * step / SPEED)
+        initial = decay * start[i] * mean_slope[..., np.newaxis]
+        mode, _ = lfilter([1.0], [1.0, -decay], gains[i] * slopes.astype(complex), zi=initial)
+        output += 2 * ((car.C @ shapes)[0, i] * mode).real
+    return output
+
+
+def segment_iri(x: FloatArray, elevation: FloatArray, segment: float | None) -> FloatArray:
+    """IRI [m/km] of each whole segment [m] of an evenly sampled road, None for all of it."""
+    steps, length = np.diff(x), float(x[-1] - x[0])
+    step = float(steps.mean())
+    if np.ptp(steps) > 1e-6 * step + 2 * TOLERANCE:
+        raise ValueError(
+            "the IRI needs evenly spaced stations: type road.resample(0.25).iri(), or the spacing "
+            "at which the road was measured"
+        )
+    window = length if segment is None else _checks.positive("segment", segment, unit="m")
+    if window > length + TOLERANCE:
+        raise ValueError(
+            f"segment = {window:.10g} m is longer than the road of {length:.10g} m: type a shorter "
+            "one"
+        )
+    if window < SHORT:
+        warnings.warn(
+            f"an IRI over {window:g} m says little: the index weighs waves of up to 30 m; pass "
+            f"{SHORT:g} m or more",
+            UserWarning,
+            stacklevel=3,
+        )
+    values = rectified_slope(elevation, step)
+    # The last segment lacks the steps that the moving average needs beyond it.
+    n_segments = int(length / window + 1e-9)
+    stops = np.round(window / step * np.arange(1, n_segments + 1)).astype(int)
+    return np.array([part.mean() for part in np.split(values, stops)[:n_segments]])
