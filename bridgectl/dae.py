@@ -94,8 +94,7 @@ class RampSurface:
         ValueError
             If it does not cover the approach and the bridge.
         """
-        crossing = Crossing(self.beam, self.vehicle, float(self.speeds[0]))
-        prepare(crossing, profile, -self.approach)
+        prepare(self._crossing(), profile, -self.approach)
         ramps = profile.ramps(self.ramp_length, start=-self.approach, stop=self.beam.length)
         return np.asarray(ramps.heights / self.ramp_height)
 
