@@ -298,11 +298,7 @@ def ramp_surface(
     else:
         histories = _simulate_ramps(run, edges, c, height, progress)
     daf_smooth = find_peaks(histories.smooth.T).values
-    daf_unit = np.empty((c.size, n_ramps))
-    for i in range(c.size):
-        unit = histories.moments(i, height)
-        unit += histories.smooth[i][:, np.newaxis]
-        daf_unit[i] = find_peaks(unit).values
+    daf_unit = np.array([histories.peaks(i, height) for i in range(c.size)])
     return RampSurface(
         beam, vehicle, section, recovery, before, length, height, c, positions,
         daf_smooth, daf_unit, histories,

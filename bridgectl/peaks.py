@@ -46,11 +46,8 @@ def find_peaks(histories: FloatArray) -> Peaks:
     Peaks
         Arrays of shape (n_histories,).
     """
-    first, middle, last = (histories[i::_PER_CELL] for i in range(1, _PER_CELL))
-    # Between samples a smooth history rises above them by an eighth of its second difference;
-    # twice that is the margin within which another cell may hold the peak.
-    margin = np.abs(first - 2 * middle + last).max(axis=0) / 4
-    enough = histories.max(axis=0) - margin
+    # Within the margin of the largest sample another cell may hold the peak.
+    enough = histories.max(axis=0) - _margins(histories)
     # Few samples come near any history's peak: look for those of each history among them.
     high = np.nonzero(histories.max(axis=1) >= enough.min())[0]
     samples, columns = np.nonzero(histories[high] >= enough)
@@ -70,6 +67,33 @@ def find_peaks(histories: FloatArray) -> Peaks:
     order = np.lexsort((values, columns))
     best = order[np.searchsorted(columns[order], np.arange(histories.shape[1]), side="right") - 1]
     return Peaks(values[best], cells[best], fractions[best])
+
+
+def raise_peaks(best: FloatArray, histories: FloatArray) -> None:
+    """Raise the largest values known of some histories by what a further stretch of them has.
+
+    Parameters
+    ----------
+    best : ndarray, shape (n_histories,)
+        Largest values so far, changed in place.
+    histories : ndarray, shape (4 n_cells + 1, n_histories)
+        As in `find_peaks`.
+    """
+    columns = np.nonzero(histories.max(axis=0) + _margins(histories) >= best)[0]
+    if columns.size:
+        every = columns.size == len(best)
+        higher = find_peaks(histories if every else histories[:, columns]).values
+        best[columns] = np.maximum(best[columns], higher)
+
+
+def _margins(histories: FloatArray) -> FloatArray:
+    """How far a history may rise above its samples, (n_histories,).
+
+    Between samples a smooth history rises above them by an eighth of its second difference;
+    this is twice that.
+    """
+    first, middle, last = (histories[i::_PER_CELL] for i in range(1, _PER_CELL))
+    return np.asarray(np.abs(first - 2 * middle + last).max(axis=0) / 4)
 
 
 def _quartic_peaks(samples: FloatArray) -> tuple[FloatArray, FloatArray]:

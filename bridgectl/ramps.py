@@ -9,6 +9,7 @@ no transition matrix is ever inverted, so stiff or heavily damped vehicles are n
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
+from bridgectl.peaks import find_peaks, raise_peaks
 from bridgectl.propagator import N_STAGES, SAME_PLACE, SAMPLES, Cells, build_cells
 from bridgectl.simulation import Run, speed_batches
 
@@ -31,6 +33,10 @@ class Histories(Protocol):
     @property
     def smooth(self) -> FloatArray:
         """Normalized moment on a smooth road at the samples, shape (n_speeds, n_samples)."""
+        ...
+
+    def peaks(self, speed: int, drops: float) -> FloatArray:
+        """Peak moment with each ramp on its own, so high [m], at one speed, shape (n_ramps,)."""
         ...
 
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
@@ -63,6 +69,10 @@ class DenseHistories:
     smooth: FloatArray
     unit: FloatArray
 
+    def peaks(self, speed: int, drops: float) -> FloatArray:
+        """See `Histories.peaks`."""
+        return find_peaks(self.moments(speed, drops) + self.smooth[speed][:, np.newaxis]).values
+
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
         """See `Histories.moments`."""
         unit = self.unit[speed]
@@ -88,8 +98,9 @@ class FactoredHistories:
         The ramps at work in each block; N where there are fewer.
     carried, added : ndarray, shapes (S, B, n, n) and (S, B, n, L)
         States at a block's end from those at its start and from its ramps.
-    rows, direct : ndarray, shapes (S, B, T, n) and (S, B, T, L)
-        Normalized moment at the samples of a block, likewise.
+    rows, direct : ndarray, shapes (S, B, T + 1, n) and (S, B, T + 1, L)
+        Normalized moment at the samples of a block, likewise; the last sample is the first of
+        the next block.
     """
 
     nodes: FloatArray
@@ -104,27 +115,56 @@ class FactoredHistories:
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
         """See `Histories.moments`."""
         if isinstance(drops, np.ndarray):
-            return self._of_roads(speed, drops)
-        # One more column takes what the unused places of `local` bring.
-        states = np.pad(self.entry[speed] * drops, ((0, 0), (0, 1)))
-        result = np.empty((*self.rows.shape[1:3], states.shape[1]))
-        for block, local in enumerate(self.local):
-            np.matmul(self.rows[speed, block], states, out=result[block])
-            result[block][:, local] += self.direct[speed, block] * drops
-            states = self.carried[speed, block] @ states
-            states[:, local] += self.added[speed, block] * drops
-        return result.reshape(-1, states.shape[1])[: self.smooth.shape[1], :-1]
+            blocks = self._of_roads(speed, drops)
+        else:
+            states = self._states_of_ramps(speed, drops)
+            blocks = (
+                self._block_of_ramps(speed, drops, block, at_start)
+                for block, at_start in enumerate(states)
+            )
+        return np.concatenate([block[:-1] for block in blocks])[: self.smooth.shape[1]]
 
-    def _of_roads(self, speed: int, drops: FloatArray) -> FloatArray:
+    def peaks(self, speed: int, drops: float) -> FloatArray:
+        """See `Histories.peaks`. Block by block: the histories are never held whole."""
+        per_block, smooth = self.rows.shape[2] - 1, self.smooth[speed]
+        states = self._states_of_ramps(speed, drops)
+        best = np.full(self.entry.shape[-1], -np.inf)
+        blocks = [smooth[i : i + per_block + 1] for i in range(0, len(smooth), per_block)]
+        # The highest first: most of the others then hold no peak.
+        for block in np.argsort([-samples.max() for samples in blocks]):
+            samples = blocks[block]
+            if len(samples) > 1:
+                moment = self._block_of_ramps(speed, drops, block, states[block])[: len(samples)]
+                moment += samples[:, np.newaxis]
+                raise_peaks(best, moment)
+        return best
+
+    def _states_of_ramps(self, speed: int, drop: float) -> FloatArray:
+        """States at the start of each block, of each ramp on its own, (B, n, N + 1)."""
+        # One more column takes what the unused places of `local` bring.
+        states = np.empty((len(self.local), self.entry.shape[1], self.entry.shape[2] + 1))
+        states[0] = np.pad(self.entry[speed] * drop, ((0, 0), (0, 1)))
+        for block in range(len(self.local) - 1):
+            np.matmul(self.carried[speed, block], states[block], out=states[block + 1])
+            states[block + 1][:, self.local[block]] += self.added[speed, block] * drop
+        return states
+
+    def _block_of_ramps(
+        self, speed: int, drop: float, block: int, states: FloatArray
+    ) -> FloatArray:
+        """History in a block of each ramp on its own, (T + 1, N)."""
+        moment = self.rows[speed, block] @ states
+        moment[:, self.local[block]] += self.direct[speed, block] * drop
+        return moment[:, :-1]
+
+    def _of_roads(self, speed: int, drops: FloatArray) -> Iterator[FloatArray]:
+        """Histories of roads, block by block."""
         states = self.entry[speed] @ drops
         drops = np.pad(drops, ((0, 1), (0, 0)))
-        result = np.empty((*self.rows.shape[1:3], drops.shape[1]))
         for block, local in enumerate(self.local):
             here = drops[local]
-            np.matmul(self.rows[speed, block], states, out=result[block])
-            result[block] += self.direct[speed, block] @ here
+            yield self.rows[speed, block] @ states + self.direct[speed, block] @ here
             states = self.carried[speed, block] @ states + self.added[speed, block] @ here
-        return result.reshape(-1, drops.shape[1])[: self.smooth.shape[1]]
 
 
 def factor_histories(
@@ -242,6 +282,8 @@ def _factor_blocks(
     road = _block_road_rows(rises, n)
     states = np.zeros((n_speeds, n_blocks, n, road.shape[-1]))
     states[:, :, np.arange(n), np.arange(n)] = 1.0
+    n_samples = per_block * len(SAMPLES)
+    by_sample = np.empty((n_speeds, n_blocks, n_samples + 1, road.shape[-1]))
     moments = np.empty((n_speeds, n_blocks, per_block, len(SAMPLES), road.shape[-1]))
     node_rows, node_road = _node_moment_rows(run, cells)
     by_block = np.arange(n_blocks * per_block).reshape(n_blocks, per_block)
@@ -259,10 +301,15 @@ def _factor_blocks(
     ends[:, :, :n] = states
     ends[:, :, n:, n : n + n_tires] = np.eye(n_tires)
     ends[:, :, n:, ramps] = rises.sum(axis=1)
-    by_sample = moments.reshape(n_speeds, n_blocks, -1, road.shape[-1])
+    by_sample[:, :, :-1] = moments.reshape(n_speeds, n_blocks, n_samples, -1)
+    after = by_block[:, -1] + 1
+    end_road = road[:, -1].copy()
+    end_road[:, :n_tires] += road[:, -1, n_tires + 1 :]
+    by_sample[:, :, -1] = np.einsum("bi,sbiz->sbz", node_rows[after], states)
+    by_sample[:, :, -1] += np.einsum("bi,biz->bz", node_road[after], end_road)
     smooth, now = [], np.zeros((n_speeds, n + n_tires))
     for rows, end in zip(by_sample.swapaxes(0, 1), ends.swapaxes(0, 1), strict=True):
-        smooth.append(rows[..., -1] + np.einsum("sti,si->st", rows[..., carried], now))
+        smooth.append(rows[:, :-1, -1] + np.einsum("sti,si->st", rows[:, :-1, carried], now))
         now = np.einsum("sij,sj->si", end[..., carried], now) + end[..., -1]
     return (
         np.concatenate(smooth, axis=1),
@@ -288,9 +335,9 @@ def _block_road_rows(rises: FloatArray, n_states: int) -> FloatArray:
 
 
 def _node_moment_rows(run: Run, cells: Cells) -> tuple[FloatArray, FloatArray]:
-    """Moment at each cell's start from the states and from the road rows."""
+    """Moment at each node from the states and from the road rows."""
     crossing, vehicle = run.crossing, run.crossing.linear
-    starts = cells.nodes[:-1]
+    starts = cells.nodes
     gain, row = crossing.moment_rows(starts)
     spring = gain * vehicle.tire_stiffnesses
     from_states = np.zeros((len(starts), cells.n_states))
