@@ -75,6 +75,11 @@ class RampSurface:
             f"{self.beam.length:g} m, recovery={self.recovery!r})"
         )
 
+    @property
+    def daf_difference(self) -> FloatArray:
+        """What a unit ramp changes, DAF_unit - DAF_smooth (Fig. 5(b)), (n_speeds, n_ramps)."""
+        return np.asarray(self.daf_unit - self.daf_smooth[:, np.newaxis])
+
     def ramps(self, profile: RoadProfile) -> FloatArray:
         """Ramp scale factors s(i) of a road, Eq. (14): positive for a drop.
 
@@ -153,8 +158,7 @@ class RampSurface:
         TypeError, ValueError
             As `ramps`.
         """
-        difference = self.daf_unit - self.daf_smooth[:, np.newaxis]
-        return np.asarray(difference * self.ramps(profile))
+        return np.asarray(self.daf_difference * self.ramps(profile))
 
     @on_one_thread
     def superposed_daf(self, profile: RoadProfile) -> FloatArray:

@@ -130,7 +130,7 @@ def _smooth_rows(surface: RampSurface) -> list[Row]:
 
 def _unit_ramp_rows(surface: RampSurface) -> list[Row]:
     speed, span = _at(EXAMPLE_KMH), surface.beam.length
-    effect = surface.daf_unit[speed] - surface.daf_smooth[speed]
+    effect = surface.daf_difference[speed]
     rows = []
     for place in li2006.FIG7_RAMPS:
         printed = li2006.PRINTED[f"unit_ramp_{place:g}l_{EXAMPLE_KMH}"]
@@ -165,7 +165,7 @@ def _fig7_rows(surface: RampSurface) -> list[Row]:
 def _tall_ramp_rows(surface: RampSurface) -> list[Row]:
     speed, places = _at(CRITICAL_KMH), surface.positions / surface.beam.length
     lowest = int(surface.daf_unit[speed].argmin())
-    effect = np.abs(surface.daf_unit - surface.daf_smooth[:, np.newaxis])[:, places > 0.5 - 1e-9]
+    effect = np.abs(surface.daf_difference)[:, places > 0.5 - 1e-9]
     return [
         Row(
             f"10 mm ramp, {CRITICAL_KMH} km/h: low at",

@@ -195,7 +195,7 @@ def surface_plot(surface: RampSurface, *, difference: bool = False, ax: Axes | N
     ticks: FloatArray | None = None
     look: dict[str, Any] = {"levels": 16, "cmap": "cividis"}
     if difference:
-        values = values - surface.daf_smooth[:, np.newaxis]
+        values = surface.daf_difference
         # No change is the middle of a band of one colour, not the edge between two.
         bands = MaxNLocator(12, symmetric=True).tick_values(values.min(), values.max())
         middles = np.asarray(bands)
