@@ -101,6 +101,14 @@ def test_the_recursion_is_the_plain_loop_over_the_discretised_car():
     assert rectified_slope(z, step) == pytest.approx(np.array(values), abs=1e-9)
 
 
+@pytest.mark.parametrize("start", [0.0, -20.0, -200.0, 1e5 / 3])
+def test_round_off_in_the_stations_does_not_change_the_base_of_the_average(start):
+    """At 0.1 m the 250 mm base is 3 samples; a mean step 1e-17 m longer must not make it 2."""
+    z = np.cumsum(np.random.default_rng(0).normal(0, 1e-3, 451))
+    road = bc.RoadProfile(start + 0.1 * np.arange(451), z)
+    assert road.iri() == pytest.approx(rectified_slope(z, 0.1).mean(), rel=1e-9)
+
+
 def test_a_grade_has_no_roughness():
     assert bc.RoadProfile([0, 500], [0, 20]).resample(0.25).iri() == pytest.approx(0, abs=1e-9)
 
@@ -112,7 +120,7 @@ def test_the_iri_is_proportional_to_the_road():
 
 
 def test_uneven_stations_are_an_error_that_says_what_to_type():
-    with pytest.raises(ValueError, match=r"evenly spaced stations: type road\.resample\(0\.25\)"):
+    with pytest.raises(ValueError, match="IRI needs evenly spaced stations: type road"):
         bc.RoadProfile([0, 0.25, 0.6, 30], [0, 0, 0, 0]).iri()
 
 

@@ -13,7 +13,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bridgectl.road import ProfileFileError, RoadProfile, read, read_profile, utia_road
+from bridgectl.road import (
+    ProfileFileError,
+    RoadProfile,
+    lines,
+    read_profile,
+    read_tracks,
+    table,
+    tracks,
+    utia_road,
+)
 
 SHARED = Path(__file__).parents[2] / "shared" / "profiles"
 UTIA = (resources.files("bridgectl.road") / "data" / "utia_profile_1.txt").read_bytes()
@@ -119,7 +128,7 @@ def test_blank_lines_comments_and_a_byte_order_mark_are_skipped(write: Write) ->
     steps=st.lists(st.floats(0.01, 1.0), min_size=1, max_size=40),
     slopes=st.lists(st.floats(-0.5, 0.5), min_size=40, max_size=40),
     start=st.floats(-1000, 1000),
-    units=st.tuples(st.sampled_from(list(read.UNITS)), st.sampled_from(list(read.UNITS))),
+    units=st.tuples(st.sampled_from(list(tracks.UNITS)), st.sampled_from(list(tracks.UNITS))),
 )
 @settings(max_examples=40, deadline=None)
 def test_a_written_road_is_read_back(
@@ -127,7 +136,7 @@ def test_a_written_road_is_read_back(
 ) -> None:
     x = start + np.cumsum([0.0, *steps])
     z = np.cumsum([0.0, *np.multiply(steps, slopes[: len(steps)])])
-    columns = (x / read.UNITS[units[0]], z / read.UNITS[units[1]])
+    columns = (x / tracks.UNITS[units[0]], z / tracks.UNITS[units[1]])
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "road.txt")
         rows = zip(*(column.tolist() for column in columns), strict=True)
@@ -143,8 +152,6 @@ def test_the_shared_profiles_are_read_or_refused_with_one_line() -> None:
     assert read_profile(SHARED / "utia_profile_2_irregular.txt", units="m,m").x.size == 2177
     pulse = read_profile(SHARED / "wtp46_pulse_check.csv")
     assert pulse.elevation.max() == pytest.approx(0.02, abs=1e-12)
-    refusal(SHARED / "txdot_track_run_e1.erd", units="ft,ft")
-    refusal(SHARED / "asam_handmade_straight.crg", units="m,m")
 
 
 # Files that are none
@@ -163,15 +170,15 @@ def test_a_file_without_permission_is_refused(
 ) -> None:
     path = write(GOOD)
 
-    def deny(self: Path) -> bytes:
+    def deny(*arguments: object) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "read_bytes", deny)
+    monkeypatch.setattr(lines, "open", deny, raising=False)
     assert refusal(path).startswith("permission denied: make the file readable")
 
 
 def test_a_device_or_a_huge_file_is_refused(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(read, "MAX_BYTES", 2**20)
+    monkeypatch.setattr(lines, "MAX_BYTES", 2**20)
     for path in (write(GOOD.ljust(2**20 + 1)), os.devnull):
         assert refusal(path) == "expected a file of at most 1 MiB: save the profile in one"
 
@@ -241,9 +248,15 @@ def test_an_empty_field_is_refused(write: Write) -> None:
     assert "found nothing: correct" in refusal(write("0,0\n1,\n"), units="m,m")
 
 
-@pytest.mark.parametrize("first", ["nan,0", "4x8,583", "Run 3", '"0.0","0.0"', "-- --"])
+@pytest.mark.parametrize(
+    "first", ["nan,0", "4x8,583", "Run 3", '"0.0","0.0"', "-- --", "0 [m],0 [m]"]
+)
 def test_a_damaged_first_line_is_not_taken_for_a_header(write: Write, first: str) -> None:
     assert refusal(write(f"{first}\n1,0\n2,0\n"), units="m,m").startswith("1: ")
+
+
+def test_a_track_may_have_a_number_for_a_name(write: Write) -> None:
+    assert len(read_tracks(write("x [m],2 [mm],lane 3 [mm]\n0,1,2\n1,1,2\n"))) == 2
 
 
 def test_a_second_header_line_is_refused(write: Write) -> None:
@@ -266,7 +279,10 @@ def test_a_wrong_number_of_columns_is_refused(write: Write, line: str) -> None:
     ],
 )
 def test_mixed_delimiters_are_refused(write: Write, first: str, second: str, names: str) -> None:
-    expected = f"2: {names}: use one delimiter throughout, or pass delimiter="
+    expected = (
+        f"2: {names}: use one delimiter throughout, or pass delimiter= (--delimiter on the command "
+        "line)"
+    )
     assert refusal(write(f"{first}\n{second}\n"), units="m,m") == expected
 
 
@@ -289,7 +305,8 @@ def test_a_column_that_does_not_exist_is_refused(write: Write) -> None:
     message = refusal(write("x,z\n0,0\n1,0\n"), units="m,m", columns=(0, 2))
     assert message == (
         "2: column 2 (counted from 0) does not exist, found 2 separated by comma in '0,0': "
-        "pass columns=(station, elevation) or delimiter="
+        "pass columns= or delimiter= (--columns or --delimiter on the command line), or step= "
+        "(--step) if there are no stations"
     )
 
 
@@ -325,7 +342,7 @@ def test_units_must_be_two(write: Write, units: Any) -> None:
     [
         (250, "m,m", "mm (0.25 m) or cm (2.5 m)"),
         (0.00025, "m,mm", "km (0.25 m)"),
-        (1e9, "m,m", "none: then pass columns=(station, elevation)"),
+        (1e9, "m,m", "none: then pass columns= or step= (--columns or --step on"),
     ],
 )
 def test_stations_in_the_wrong_unit_are_refused(
@@ -334,7 +351,8 @@ def test_stations_in_the_wrong_unit_are_refused(
     message = refusal(write("".join(f"{i * step},0\n" for i in range(5))), units=units)
     assert message.startswith(
         f"the stations in m have a median step of {step:.6g} m, expected 0.001 m to 5 m: "
-        f'pass units="UNIT,{units.split(",")[1]}" with the unit they are in, which may be '
+        f'pass units="UNIT,{units[2:]}" (--units UNIT,{units[2:]}) with the unit they are in, '
+        "which may be "
     )
     assert fitting in message
 
@@ -346,10 +364,142 @@ def test_elevations_in_the_wrong_unit_are_refused(
     message = refusal(write("0,0\n0.1,0\n0.2,250\n"), units=f"m,{given_unit}")
     assert message.startswith(f"3: the elevation in {given_unit} changes by ")
     assert "steeper than 1 m/m: correct it, or " in message
-    assert message.endswith(f'if the elevations are in {finer}, pass units="m,{finer}"')
+    advice = f'pass units="m,{finer}" (--units m,{finer})'
+    assert message.endswith(f"if the elevations are in {finer}, {advice}")
+
+
+# Several tracks
+
+TRACKS = "x [m], left [mm], speed [km/h], right (in)\n0.0, 0, 80, 1\n0.1, 2, 80, 1\n0.2, 3, 81, 1\n"
+
+
+def test_every_column_with_a_unit_of_length_is_a_track(write: Write) -> None:
+    left, right = read_tracks(write(TRACKS))
+    assert [left.name, right.name] == ["road left", "road right"]
+    np.testing.assert_allclose(left.elevation, [0, 2e-3, 3e-3], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(right.elevation, [0.0254] * 3, rtol=0, atol=1e-15)
+    assert left.x.tolist() == right.x.tolist() == [0.0, 0.1, 0.2]
+
+
+def test_the_first_track_is_read_unless_another_is_asked_for(write: Write) -> None:
+    left, right = read_tracks(write(TRACKS))
+    path = write(TRACKS)
+    assert read_profile(path) == left
+    assert read_profile(path).name == "road left"
+    for track in (1, "1", "right", "RIGHT", " Right "):
+        assert read_profile(path, track=track) == right
+        assert read_profile(path, track=track).name == "road right"
+    assert read_profile(path, track=1, name="A1").name == "A1"
+    assert [road.name for road in read_tracks(path, name="A1")] == ["A1 left", "A1 right"]
+
+
+@pytest.mark.parametrize("track", [2, -1, "2", "middle", "", "1" * 30])
+def test_an_unknown_track_is_refused_with_those_that_there_are(write: Write, track: Any) -> None:
+    message = refusal(write(TRACKS), track=track)
+    assert message.startswith("no track '")
+    assert message.endswith(
+        "there are 0: 'left', 1: 'right': pass track= (--track on the command line) with one of "
+        "these"
+    )
+
+
+def test_a_label_goes_before_a_number_and_must_be_one(write: Write) -> None:
+    path = write("x [m],1 [mm],0 [mm],a [m],A [m]\n0,1,2,0,0\n1,1,2,0,0\n")
+    assert read_profile(path, track="1").name == "road 1"
+    assert read_profile(path, track=1).name == "road 0"
+    expected = "tracks 2 and 3 are both labelled 'a': pass a number"
+    assert refusal(path, track="A") == expected
+
+
+def test_tracks_are_chosen_by_columns_and_numbered_without_labels(write: Write) -> None:
+    path = write("0 1 5 3\n1 2 5 4\n")
+    roads = read_tracks(path, units="m,m", columns=[0, 3, 1])
+    assert [road.elevation.tolist() for road in roads] == [[3, 4], [1, 2]]
+    assert [road.name for road in roads] == ["road track 0", "road track 1"]
+    assert [road.name for road in read_tracks(path, units="m,m")] == ["road"]
+    assert read_profile(path, units="m,m", columns=(0, 2, 1), track=1).elevation.tolist() == [1, 2]
+
+
+def test_a_track_that_is_not_wanted_may_hold_anything(write: Write) -> None:
+    path = write("x [m], z [mm], altitude [m]\n0.0, 0, -\n0.1, 2, 500\n")
+    assert read_profile(path).elevation[-1] == pytest.approx(2e-3, abs=1e-15)
+    assert "found '-'" in refusal(path, track="altitude")
+
+
+def test_units_passed_must_agree_with_all_that_the_file_states(write: Write) -> None:
+    path = write("x [m], left [mm], right [mm]\n0,0,0\n1,1,1\n")
+    assert read_tracks(path, units="m,mm") == read_tracks(path)
+    assert refusal(path, units="m,cm") == (
+        "1: the units stated here are m,mm,mm: pass these or correct this line"
+    )
+    assert refusal(write(TRACKS), units="m,mm") == (
+        "1: the units stated here are m,mm,in: pass none or correct this line"
+    )
+    message = refusal(write("x [ft], z\n0,0\n1,1\n"), units="m,mm")
+    assert message.startswith("1: the units stated here are ft,?: pass")
+
+
+def test_units_passed_complete_those_that_the_header_states(write: Write) -> None:
+    path = write("x, z [mm]\n0,0\n1,2\n")
+    assert read_profile(path, units="m,mm").elevation[-1] == pytest.approx(2e-3, abs=1e-15)
+
+
+# Files without stations
+
+
+@pytest.mark.parametrize(
+    ("content", "arguments"),
+    [
+        ("0\n2\n3\n", {"units": "mm"}),
+        ("z [mm]\n0\n2\n3\n", {}),
+        ("# z [mm]\n0\n2\n3\n", {"units": ("mm",)}),
+        ("lane,z [mm]\nA,0\nA,2\nA,3\n", {}),
+        ("5;0\n5;2\n5;3\n", {"units": "mm", "columns": (1,)}),
+    ],
+)
+def test_a_file_without_stations_is_read_with_a_step(
+    write: Write, content: str, arguments: dict[str, Any]
+) -> None:
+    road = read_profile(write(content), step=0.25, **arguments)
+    assert road.x.tolist() == [0.0, 0.25, 0.5]
+    np.testing.assert_allclose(road.elevation, [0, 2e-3, 3e-3], rtol=0, atol=1e-15)
+
+
+def test_several_tracks_without_stations_are_read_with_a_step(write: Write) -> None:
+    path = write("left [mm] right [mm]\n0 1\n2 1\n")
+    assert [road.name for road in read_tracks(path, step=0.1)] == ["road left", "road right"]
+
+
+def test_a_file_without_stations_and_a_step_is_told_to_pass_one(write: Write) -> None:
+    message = refusal(write("0\n1\n"), units="m,m")
+    assert message.startswith("1: column 1 (counted from 0) does not exist, found 1 separated by")
+    assert message.endswith("or step= (--step) if there are no stations")
+
+
+def test_units_with_a_step_are_one(write: Write) -> None:
+    path = write("0\n1\n")
+    assert refusal(path, units="m,mm", step=0.25) == (
+        'units must name one unit, since step= is in metres, got 2: pass units="mm" (elevation) '
+        "in Python or --units mm on the command line; known units: m, mm, cm, km, ft, in, mil"
+    )
+    assert refusal(path, step=0.25).startswith('the file does not state its units: pass units="mm')
 
 
 # Stations
+
+
+def test_a_gap_in_the_stations_is_refused_with_the_line(write: Write) -> None:
+    def file(gap: float, step: float) -> Path:
+        return write("".join(f"{i * step + gap * (i > 9)} 0\n" for i in range(20)))
+
+    message = refusal(file(20, 0.1), units="m,m")
+    assert message == (
+        "11: station 21 m comes 20.1 m after 0.9 m on line 10, where the median step is 0.1 m: "
+        "correct the station, or cut the file here and read the part before or after the gap"
+    )
+    assert read_profile(file(9.8, 0.1), units="m,m").x[-1] == pytest.approx(11.7)
+    assert read_profile(file(4.9, 0.01), units="m,m").x[-1] == pytest.approx(5.09)
+    assert refusal(file(5.1, 0.01), units="m,m").startswith("11: station 5.2 m comes")
 
 
 @pytest.mark.parametrize(
@@ -380,13 +530,20 @@ def test_stations_that_do_not_increase_are_refused(
             r"^units must be a string like \"m,mm\" or a pair of strings, got 5",
         ),
         ({"units": (1, 2)}, TypeError, "^units must be"),
-        ({"columns": "x"}, ValueError, r"^columns must be two different numbers like \(0, 1\)"),
-        ({"columns": (1, 1)}, ValueError, "^columns must be two different"),
-        ({"columns": 3}, ValueError, "^columns must be two different"),
+        ({"columns": "x"}, ValueError, r"^columns must be two or more different .* \(0, 1\)"),
+        ({"columns": (1, 1)}, ValueError, "^columns must be two or more different"),
+        ({"columns": (1,)}, ValueError, "^columns must be two or more different"),
+        ({"columns": (), "step": 0.1}, ValueError, r"^columns must be one or more .* \(0,\)"),
+        ({"columns": 3}, ValueError, "^columns must be two or more different"),
         ({"columns": ("a", "b")}, TypeError, "^columns must be"),
         ({"columns": (0, -1)}, ValueError, "^columns must be 0 or more"),
         ({"delimiter": "|"}, ValueError, "^delimiter must be one of"),
         ({"name": 5}, TypeError, "^name must be a string"),
+        ({"step": 0}, ValueError, r"^step must be above 0 \[m\]"),
+        ({"step": 250}, ValueError, "^step must be 0.001 m to 5 m, got 250"),
+        ({"step": "x"}, TypeError, "^step must be one number"),
+        ({"track": 1.5}, TypeError, "^track must be a label or a whole number, got 1.5"),
+        ({"track": True}, TypeError, "^track must be a label or a whole number"),
     ],
 )
 def test_wrong_arguments_are_named(
@@ -454,7 +611,7 @@ def assert_read_or_refused(path: Path, **arguments: Any) -> None:
     """Assert that the fast and the careful way give one road, or one line of refusal."""
     fast = outcome(path, **arguments)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(read._Layout, "_plain", lambda self, texts: None)
+        patch.setattr(table.Layout, "_plain", lambda self, texts: None)
         assert outcome(path, **arguments) == fast
     if isinstance(fast, str):
         assert fast.startswith(f"{path}:")
@@ -472,7 +629,7 @@ def test_a_damaged_file_is_read_or_refused_and_the_fast_path_agrees(
     with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
         path = Path(folder, "road.txt")
         path.write_bytes(data)
-        patch.setattr(read, "BLOCK", block)
+        patch.setattr(table, "BLOCK", block)
         assert_read_or_refused(path, units="m,m")
 
 
@@ -493,12 +650,47 @@ def test_any_bytes_are_read_or_refused_and_the_fast_path_agrees(
         assert_read_or_refused(path, units=units, delimiter=delimiter, columns=columns)
 
 
-def test_a_large_file_takes_little_more_memory_than_its_bytes(write: Write) -> None:
-    lines = 100_000
-    path = write("x_m,z_m\n" + "".join(f"{0.05 * i:.2f},0.123456\n" for i in range(lines)))
+@pytest.mark.parametrize(
+    "content", [10_000_000 * b"7", 10_000_000 * b"7 ", b"0 0\n" + 10**7 * b"\t"]
+)
+def test_a_line_without_an_end_is_refused(write: Write, content: bytes) -> None:
+    line = 1 + content.count(b"\n")
+    expected = f"{line}: more than 65536 characters: expected a station and elevations on each line"
+    assert refusal(write(content), units="m,m") == expected
+
+
+def test_the_first_fault_in_the_file_is_told(write: Write) -> None:
+    content = b"0 0\n1 x\n" + 100_000 * b"2 2\n" + b"\xff\n"
+    assert refusal(write(content), units="m,m").startswith("2: expected a finite number")
+    content = 100_000 * b"2 2\n" + b"1\xff\n"
+    assert refusal(write(content), units="m,m").startswith("100001: the byte 0xff is not text")
+
+
+def test_a_disk_that_fails_is_told(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write(GOOD)
+
+    class Failing:
+        def __enter__(self) -> "Failing":
+            return self
+
+        def __exit__(self, *error: object) -> None:
+            pass
+
+        def read(self, size: int) -> bytes:
+            raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(lines, "open", lambda *arguments: Failing(), raising=False)
+    expected = "cannot be read (Input/output error): check the disk or copy the file"
+    assert refusal(path) == expected
+
+
+def test_a_large_file_takes_less_memory_than_thrice_its_bytes(write: Write) -> None:
+    n_lines = 100_000
+    path = write("x_m,z_m\n" + "".join(f"{0.05 * i:.2f},0.123456\n" for i in range(n_lines)))
     tracemalloc.start()
     read_profile(path)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    # The bytes once, and eight arrays of one float a line.
-    assert peak < path.stat().st_size + 8 * 8 * lines + 5e6
+    # Five arrays of one float a line at most, and the lines converted at once.
+    assert peak < 5 * 8 * n_lines + 2.5e6
+    assert peak < 3 * path.stat().st_size + 2.5e6

@@ -8,6 +8,7 @@ rectified velocity of its suspension per speed, in m/km. Sayers (Transportation 
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
 import control
 import numpy as np
@@ -17,7 +18,7 @@ from scipy.signal import lfilter
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 
-from .limits import TOLERANCE
+from .limits import TOLERANCE, even_step
 
 SPEED = 80 / 3.6
 """Speed of the golden car [m/s]."""
@@ -30,6 +31,12 @@ BASE = 0.25
 
 START = 11.0
 """Length over which the road's mean slope sets the car's initial state [m]: 0.5 s."""
+
+GOOD = 7.0
+"""Roads below this IRI [m/km] are good (Li, OBrien and Gonzalez 2006, Section 1)."""
+
+AT_START = (1.0, 0.0, 1.0, 0.0)
+"""State of the golden car on a slope of 1: both masses follow it."""
 
 SHORT = 20.0
 """Windows shorter than this [m] hold little more than one of the waves that the IRI weighs."""
@@ -102,63 +109,84 @@ def rectified_slope(elevation: ArrayLike, step: float) -> FloatArray:
     >>> print(f"{rectified_slope(wave, 0.05)[2000:].mean():.3f} m/km")
     0.503 m/km
     """
+    return np.abs(suspension_slope(elevation, step))
+
+
+def suspension_slope(elevation: ArrayLike, step: float) -> FloatArray:
+    """Suspension motion of the golden car with its sign, linear in the road: `rectified_slope`."""
     heights = np.asarray(elevation, dtype=np.float64)
     dx = _checks.positive("step", step, unit="m")
-    # Sayers rounds halves up: 3 samples at 0.1 m, where round() would take 2.
-    base = max(1, int(np.floor(BASE / dx + 0.5)))
-    if heights.shape[-1] < base + 2:
-        raise ValueError(
-            f"elevation must reach over more than {BASE:g} m, got {heights.shape[-1]} samples "
-            f"{dx:g} m apart"
-        )
-    slopes = (heights[..., base:] - heights[..., :-base]) / (base * dx)
-    first = min(int(np.floor(START / dx + 0.5)), heights.shape[-1] - 1)
-    mean_slope = (heights[..., first] - heights[..., 0]) / (first * dx)
-    return np.asarray(1e3 * np.abs(_suspension(slopes, mean_slope, dx)))
-
-
-def _suspension(slopes: FloatArray, mean_slope: FloatArray, step: float) -> FloatArray:
-    """Suspension output of the golden car, exact for slopes constant over each step.
-
-    The car's two pairs of complex modes each make a first-order recursion.
-    """
+    slopes, mean_slope = input_slopes(heights, dx)
+    output = np.zeros_like(slopes)
+    # Exact for slopes constant over a step: the two pairs of complex modes are each a first-order
+    # recursion.
     car = golden_car()
     poles, shapes = np.linalg.eig(car.A)
-    gains = np.linalg.solve(shapes, car.B[:, 0]) * np.expm1(poles * step / SPEED) / poles
-    start = np.linalg.solve(shapes, [1.0, 0.0, 1.0, 0.0])
-    output = np.zeros_like(slopes)
+    gains = np.linalg.solve(shapes, car.B[:, 0]) * np.expm1(poles * dx / SPEED) / poles
+    start = np.linalg.solve(shapes, AT_START)
     for i in np.nonzero(poles.imag > 0)[0]:
-        decay = np.exp(poles[i] * step / SPEED)
+        decay = np.exp(poles[i] * dx / SPEED)
         initial = decay * start[i] * mean_slope[..., np.newaxis]
         mode, _ = lfilter([1.0], [1.0, -decay], gains[i] * slopes.astype(complex), zi=initial)
         output += 2 * ((car.C @ shapes)[0, i] * mode).real
-    return output
+    return 1e3 * output
+
+
+def input_slopes(heights: Any, step: float) -> tuple[Any, Any]:
+    """Slopes that the golden car meets, averaged over 250 mm, and the mean slope it starts on.
+
+    `heights` may be an array (..., n), or a sparse one (m, n): then these are the linear maps.
+    """
+    # Sayers rounds halves up: 3 samples at 0.1 m, where round() would take 2. Stations that are
+    # 0.1 m apart but for round-off must not take 2 either.
+    base = max(1, int(np.floor(BASE / step + 0.5 + 1e-6)))
+    n_heights = heights.shape[-1]
+    if n_heights < base + 2:
+        raise ValueError(
+            f"elevation must reach over more than {BASE:g} m, got {n_heights} samples {step:g} m "
+            "apart"
+        )
+    slopes = (heights[..., base:] - heights[..., :-base]) / (base * step)
+    first = min(int(np.floor(START / step + 0.5)), n_heights - 1)
+    return slopes, (heights[..., first] - heights[..., 0]) / (first * step)
+
+
+def running_iri(
+    x: FloatArray, elevation: FloatArray, window: float | None
+) -> tuple[FloatArray, FloatArray]:
+    """Stations and IRI [m/km] of the last `window` [m] before each, None for all before it."""
+    step, length = even_step(x, "IRI"), float(x[-1] - x[0])
+    sums = np.append(0.0, np.cumsum(rectified_slope(elevation, step)))
+    if window is None:
+        return x[1 : sums.size], sums[1:] / np.arange(1, sums.size)
+    n = round(_window(window, "window", length) / step)
+    n = max(1, min(n, sums.size - 1))  # the moving average takes its base off the road's end
+    return x[n : sums.size], (sums[n:] - sums[:-n]) / n
 
 
 def segment_iri(x: FloatArray, elevation: FloatArray, segment: float | None) -> FloatArray:
     """IRI [m/km] of each whole segment [m] of an evenly sampled road, None for all of it."""
-    steps, length = np.diff(x), float(x[-1] - x[0])
-    step = float(steps.mean())
-    if np.ptp(steps) > 1e-6 * step + 2 * TOLERANCE:
-        raise ValueError(
-            "the IRI needs evenly spaced stations: type road.resample(0.25).iri(), or the spacing "
-            "at which the road was measured"
-        )
-    window = length if segment is None else _checks.positive("segment", segment, unit="m")
-    if window > length + TOLERANCE:
-        raise ValueError(
-            f"segment = {window:.10g} m is longer than the road of {length:.10g} m: type a shorter "
-            "one"
-        )
-    if window < SHORT:
-        warnings.warn(
-            f"an IRI over {window:g} m says little: the index weighs waves of up to 30 m; pass "
-            f"{SHORT:g} m or more",
-            UserWarning,
-            stacklevel=3,
-        )
+    step, length = even_step(x, "IRI"), float(x[-1] - x[0])
+    window = _window(length if segment is None else segment, "segment", length)
     values = rectified_slope(elevation, step)
     # The last segment lacks the steps that the moving average needs beyond it.
     n_segments = int(length / window + 1e-9)
     stops = np.round(window / step * np.arange(1, n_segments + 1)).astype(int)
     return np.array([part.mean() for part in np.split(values, stops)[:n_segments]])
+
+
+def _window(window: float, name: str, length: float) -> float:
+    """Check the window [m] of an average, and warn of one that is too short."""
+    size = _checks.positive(name, window, unit="m")
+    if size > length + TOLERANCE:
+        raise ValueError(
+            f"{name} = {size:.10g} m is longer than the road of {length:.10g} m: type a shorter one"
+        )
+    if size < SHORT:
+        warnings.warn(
+            f"an IRI over {size:g} m says little: the index weighs waves of up to 30 m; pass "
+            f"{SHORT:g} m or more",
+            UserWarning,
+            stacklevel=4,
+        )
+    return size

@@ -48,3 +48,15 @@ def require_gentle(x: FloatArray, elevation: FloatArray) -> None:
         "another unit) read as metres: divide by 1000, or pass "
         'units="m,mm" to read_profile'
     )
+
+
+def even_step(x: FloatArray, what: str) -> float:
+    """Return the distance between evenly spaced stations [m], or say that `what` needs them so."""
+    steps = np.diff(x)
+    step = float(steps.mean())
+    if np.ptp(steps) > 1e-6 * step + 2 * TOLERANCE:
+        raise ValueError(
+            f"the {what} needs evenly spaced stations: type road.resample(0.25) first, or the "
+            "spacing at which the road was measured"
+        )
+    return step

@@ -17,8 +17,10 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 
-from .iri import segment_iri
+from .iri import running_iri, segment_iri
 from .limits import TOLERANCE, require_gentle, require_increasing
+from .psd import RoadPsd, road_psd
+from .stations import Stations
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +39,7 @@ class Ramps(NamedTuple):
     """Drop over each ramp, r(x_i + length) - r(x_i) [m], positive downward, shape (n,)."""
 
 
-class RoadProfile:
+class RoadProfile(Stations):
     """Elevation of a road over its stations, straight between them. Immutable.
 
     Two profiles are equal when their stations and elevations are; the name is only a label. The
@@ -73,7 +75,7 @@ class RoadProfile:
 steps 0.1 to 21.9 m)
     """
 
-    __slots__ = ("_elevation", "_name", "_x")
+    __slots__ = ("_elevation", "_name")
 
     def __init__(self, x: ArrayLike, elevation: ArrayLike, *, name: str = "") -> None:
         if not isinstance(name, str):
@@ -100,11 +102,6 @@ steps 0.1 to 21.9 m)
     def __reduce__(self) -> tuple[Callable[..., RoadProfile], tuple[FloatArray, FloatArray, str]]:
         """Pickle by rebuilding, since unpickled arrays would be writable."""
         return self._trusted, (self._x, self._elevation, self._name)
-
-    @property
-    def x(self) -> FloatArray:
-        """Stations [m] from the start of the bridge, shape (n,), read-only."""
-        return self._x
 
     @property
     def elevation(self) -> FloatArray:
@@ -263,32 +260,6 @@ steps 0.1 to 21.9 m)
         ahead = np.maximum(np.asarray(x, dtype=np.float64), first)
         return np.asarray(self._interpolated(first) - self._interpolated(ahead))
 
-    def covers(self, start: float, stop: float) -> bool:
-        """Tell whether the road reaches from `start` to `stop` [m], to within 1e-9 m."""
-        first, last = check.number("start", start), check.number("stop", stop)
-        return bool(self._x[0] - TOLERANCE <= first <= last <= self._x[-1] + TOLERANCE)
-
-    def require(self, start: float, stop: float, what: str = "the crossing") -> None:
-        """Refuse a road that does not reach from `start` to `stop` [m], approach plus bridge.
-
-        Raises
-        ------
-        ValueError
-            If it does not. The message says `what` needs the stretch, and what to do.
-        """
-        if self.covers(start, stop):
-            return
-        first, last = float(self._x[0]), float(self._x[-1])
-        way_out = "pass a longer road"
-        if last - first >= stop - start:
-            way_out += f" or place_bridge({first - start:.10g} to {last - stop:.10g})"
-        elif first < stop <= last:
-            way_out += f" or start={first:.10g}"
-        raise ValueError(
-            f"the road covers {self._range()} but {what} needs {start:.10g} m to {stop:.10g} m "
-            f"(approach plus bridge): {way_out}"
-        )
-
     def ramps(
         self, length: float = 0.1, *, start: float | None = None, stop: float | None = None
     ) -> Ramps:
@@ -363,6 +334,63 @@ steps 0.1 to 21.9 m)
         values = segment_iri(self._x, self._elevation, segment)
         return float(values[0]) if segment is None else values
 
+    def running_iri(self, window: float | None = None) -> tuple[FloatArray, FloatArray]:
+        """Return the IRI along the road, of what lies behind each station.
+
+        Parameters
+        ----------
+        window : float, optional
+            Average over the last `window` metres; from the start of the road if omitted.
+
+        Returns
+        -------
+        x, iri : ndarray, shape (n,)
+            Stations [m] where the averaged stretch ends, and its IRI [m/km].
+
+        Raises
+        ------
+        ValueError
+            If the stations are not evenly spaced, or the road is shorter than `window`.
+
+        Examples
+        --------
+        >>> from bridgectl.road import utia_road
+        >>> x, iri = utia_road().running_iri(window=100)
+        >>> f"{iri.max():.2f} m/km over the 100 m before station {x[iri.argmax()]:.0f} m"
+        '4.23 m/km over the 100 m before station 862 m'
+        """
+        return running_iri(self._x, self._elevation, window)
+
+    def psd(self, segment: float | None = None, *, window: str = "hann") -> RoadPsd:
+        """Return the power spectral density of the elevation (Welch's method, on the slope).
+
+        Parameters
+        ----------
+        segment : float, optional
+            Length of the averaged stretches [m]; 100 m, or the whole of a shorter road, if omitted.
+        window : str, optional
+            Window of each stretch, a name that `scipy.signal.get_window` knows. With "boxcar" and
+            a segment as long as the road this is the periodogram of the road's slope.
+
+        Returns
+        -------
+        RoadPsd
+            Wave numbers [cycles/m] and densities [m^3]; ``.fit()`` gives G_d(n_0), waviness and
+            ISO 8608 class, ``.plot()`` draws them.
+
+        Raises
+        ------
+        ValueError
+            If the stations are not evenly spaced, or the segment holds fewer than 8 steps.
+
+        Examples
+        --------
+        >>> from bridgectl.road import utia_road
+        >>> utia_road().psd()
+        RoadPsd('UTIA road', 200 wave numbers from 0.01 to 2 cycles/m, 8.6 averages)
+        """
+        return road_psd(self._x, self._elevation, segment, window, self._name)
+
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the elevation [mm] over the station [m] and return the matplotlib axes."""
         import matplotlib.pyplot as plt  # here, so that no crossing waits for matplotlib
@@ -373,25 +401,6 @@ steps 0.1 to 21.9 m)
         ax.set_xlabel("station x [m]")
         ax.set_ylabel("elevation, up [mm]")
         return ax
-
-    def _range(self) -> str:
-        return f"x from {self._x[0]:.10g} m to {self._x[-1]:.10g} m"
-
-    def _inside(self, argument: str, station: float) -> float:
-        station = check.number(argument, station, unit="m")
-        if self.covers(station, station):
-            return station
-        raise ValueError(
-            f"{argument} = {station:.10g} m is outside the road, which covers {self._range()}: "
-            "type a station in this range or pass a longer road"
-        )
-
-    def _stretch(self, start: float | None, stop: float | None) -> tuple[float, float]:
-        first = float(self._x[0]) if start is None else self._inside("start", start)
-        last = float(self._x[-1]) if stop is None else self._inside("stop", stop)
-        if first >= last:
-            raise ValueError(f"stop must be past start = {first:.10g} m, got {last:.10g} m")
-        return first, last
 
     def _interpolated(self, stations: float | FloatArray) -> FloatArray:
         return np.asarray(np.interp(stations, self._x, self._elevation))
