@@ -28,7 +28,15 @@ from bridgectl.crossing import Crossing, crossing_system
 from bridgectl.dae import RampSurface, ramp_surface
 from bridgectl.quarter_car import QuarterCar, convoy
 from bridgectl.response import LiftOffWarning, crossing_response, daf
-from bridgectl.road import ProfileFileError, RoadProfile, read_profile, utia_road
+from bridgectl.road import (
+    ProfileFileError,
+    RoadProfile,
+    iso8608_profile,
+    read_profile,
+    read_tracks,
+    utia_road,
+    write_profile,
+)
 from bridgectl.vehicle import Vehicle
 
 __version__ = "0.1.0"
@@ -46,8 +54,11 @@ __all__ = [
     "crossing_response",
     "crossing_system",
     "daf",
+    "iso8608_profile",
     "li2006",
     "ramp_surface",
     "read_profile",
+    "read_tracks",
     "utia_road",
+    "write_profile",
 ]

@@ -14,19 +14,28 @@ from typing import Any, NoReturn
 import numpy as np
 
 import bridgectl as bc
-from bridgectl._checks import FloatArray
-from bridgectl.recovery import RECOVERIES
+from bridgectl.options import (
+    add_bridge_options,
+    add_file_options,
+    add_place_options,
+    add_vehicle_options,
+    check_plot,
+    file_arguments,
+    numbers,
+    parse_speeds,
+)
 
 RAMP_LENGTH = 0.1
 """Length of the ramps [m], as in the paper."""
 
-SPEEDS_KMH = (1.0, 1000.0)
-"""Speeds that make sense [km/h]: a crawling vehicle needs cells, and memory, without end."""
+SEGMENT = 100.0
+"""Segments of a road that get an IRI each [m]."""
 
 MAIN_HELP = """\
 What a road does to a bridge: dynamic amplification of a vehicle's crossing.
 
   bridgectl dae      the dynamic amplification estimate (DAE) of a measured road
+  bridgectl profile  roughness (IRI), spectrum and ISO 8608 class of a road file
   bridgectl paper    every number of Li, OBrien and Gonzalez (2006) beside the computed one
 
 `bridgectl dae` without a file takes a measured road that comes with the program."""
@@ -41,14 +50,31 @@ crossing, at every speed:
   superposed DAF  the same ramps, superposed as moment histories: exact while tires stay down
   simulated DAF   the crossing itself
 
-FILE is delimited text: stations and elevations (positive upward), whose units the header names
-('x [m], z [mm]') or --units tells. Without FILE: a measured road of 544 m that comes with the
-program.
+FILE is delimited text, ERD text or OpenCRG: stations and elevations (positive upward), whose units
+the file states ('x [m], z [mm]') or --units tells. Of several tracks the first counts, or --track.
+Without FILE: a measured road of 544 m that comes with the program.
 
 examples:
   bridgectl dae
   bridgectl dae road.csv --units m,mm --station 1250 --span 35 --plot dae.png
+  bridgectl dae survey.erd --track RElev.
   bridgectl dae road.txt --units m,m --speeds 60:120:2 --damping 12e3 --json > dae.json"""
+
+PROFILE_HELP = """\
+Measure the tracks of a road file:
+
+  IRI             International Roughness Index (ASTM E1926), of all and of each segment;
+                  a road is good, in the sense of Li, OBrien and Gonzalez (2006), below 7 m/km
+  G_d(n0), w      line of ISO 8608 through the spectrum: roughness at n0 = 0.1 cycles/m, waviness
+  class           ISO 8608 class of that roughness, A to H
+
+FILE is delimited text, ERD text or OpenCRG; all its tracks are measured, or the one of --track.
+Without FILE: a measured road of 544 m that comes with the program.
+
+examples:
+  bridgectl profile
+  bridgectl profile survey.erd --plot survey.png
+  bridgectl profile levels.csv --step 0.25 --units mm --segment 50 --json"""
 
 PAPER_HELP = """\
 Print every number that Li, OBrien and Gonzalez (2006) print, beside the computed one and with the
@@ -125,83 +151,36 @@ def _parser() -> _Parser:
         "dae", help="DAE and DAF of a measured road", description=DAE_HELP, formatter_class=look
     )
     dae.set_defaults(run=_run_dae)
-    _add_road_options(dae)
-    _add_bridge_options(dae)
-    _add_vehicle_options(dae)
+    add_file_options(dae)
+    add_place_options(dae)
+    add_bridge_options(dae)
+    add_vehicle_options(dae)
+    profile = commands.add_parser(
+        "profile", help="IRI, spectrum and ISO class of a road file", description=PROFILE_HELP,
+        formatter_class=look,
+    )  # fmt: skip
+    profile.set_defaults(run=_run_profile)
+    add_file_options(profile)
+    profile.add_argument(
+        "--segment", type=float, default=SEGMENT, metavar="M",
+        help=f"length over which IRIs are taken [m] (default {SEGMENT:g})",
+    )  # fmt: skip
     paper = commands.add_parser(
         "paper", help="the paper's numbers", description=PAPER_HELP, formatter_class=look
     )
     paper.set_defaults(run=_run_paper)
-    for command in (dae, paper):
+    for command in (dae, profile, paper):
         command.add_argument("--plot", metavar="FILE", type=Path, help="draw (png, pdf, svg)")
         command.add_argument("--json", action="store_true", help="print one JSON object instead")
     return parser
 
 
-def _add_road_options(parser: _Parser) -> None:
-    road = parser.add_argument_group("road")
-    road.add_argument("file", nargs="?", metavar="FILE", help="delimited text")
-    road.add_argument("--units", metavar="X,Z", help="units of station and elevation, as m,mm")
-    road.add_argument(
-        "--columns", metavar="I,J", default="0,1", help="columns of the two, from 0 (default 0,1)"
-    )
-    road.add_argument(
-        "--station", type=float, metavar="M",
-        help="station of the start of the bridge [m]; default: the first after the approach",
-    )  # fmt: skip
-    road.add_argument(
-        "--approach", type=float, default=200.0, metavar="M",
-        help="road before the bridge that counts [m]; the vehicle starts there (default 200)",
-    )  # fmt: skip
-    road.add_argument(
-        "--no-detrend", action="store_true",
-        help="keep the grade; by default the straight line through the road is taken off, "
-        "as a vehicle that starts in equilibrium is not on a grade",
-    )  # fmt: skip
-    parser.add_argument(
-        "--speeds", default="50:150:1", metavar="A:B:D",
-        help="speeds [km/h], from A to B in steps of D, or a list A,B,C (default 50:150:1)",
-    )  # fmt: skip
-
-
-def _add_bridge_options(parser: _Parser) -> None:
-    bridge = parser.add_argument_group("bridge (Li's thesis, 2006; default the paper's 25 m)")
-    bridge.add_argument("--span", type=int, default=25, metavar="M", help="odd, 9 to 43 [m]")
-    bridge.add_argument("--deck", help="solid, Y or super-Y, for spans that have several")
-    bridge.add_argument("--modes", type=int, default=3, metavar="N", help="number (default 3)")
-    bridge.add_argument(
-        "--damping-ratio", default="0", metavar="Z", help="of mode 1, or A,B,C of each (default 0)"
-    )
-    bridge.add_argument(
-        "--section", type=float, default=0.5, metavar="S",
-        help="section of the moment, as a fraction of the span (default 0.5)",
-    )  # fmt: skip
-    bridge.add_argument(
-        "--recovery", default="exact", metavar="HOW",
-        help=f"of the moment from the modes: {', '.join(RECOVERIES)} (default exact)",
-    )  # fmt: skip
-
-
-def _add_vehicle_options(parser: _Parser) -> None:
-    vehicle = parser.add_argument_group("quarter-car (default the paper's truck)")
-    truck = bc.li2006.car()
-    units = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m"}
-    for name in (
-        "sprung_mass", "unsprung_mass", "suspension_stiffness", "tire_stiffness", "damping",
-    ):  # fmt: skip
-        unit, default = units[name.rpartition("_")[2]], getattr(truck, name)
-        vehicle.add_argument(
-            f"--{name.replace('_', '-')}", type=float, default=default, metavar="X",
-            help=f"[{unit}] (default {default:g})",
-        )  # fmt: skip
-
-
 def _run_dae(args: argparse.Namespace) -> None:
     from bridgectl.report import DaeStudy, dae_json, print_dae
 
-    speeds = _speeds(args.speeds) / 3.6
-    _check_plot(args.plot)
-    ratios = tuple(_numbers("--damping-ratio", args.damping_ratio, float))
+    speeds = parse_speeds(args.speeds) / 3.6
+    check_plot(args.plot)
+    ratios = tuple(numbers("--damping-ratio", args.damping_ratio, float))
     damping_ratio = ratios if len(ratios) > 1 else ratios[0]
     beam = bc.li2006.beam(args.span, args.deck, n_modes=args.modes, damping_ratio=damping_ratio)
     vehicle = bc.QuarterCar(
@@ -250,8 +229,7 @@ def _road(args: argparse.Namespace, span: float) -> tuple[bc.RoadProfile, float]
     if args.file is None:
         whole = bc.utia_road()
     else:
-        columns = _numbers("--columns", args.columns, int)
-        whole = bc.read_profile(args.file, units=args.units, columns=tuple(columns))
+        whole = bc.read_profile(args.file, track=args.track, **file_arguments(args))
     station = float(whole.x[0]) + args.approach if args.station is None else args.station
     first, last = float(whole.x[0]) + args.approach, float(whole.x[-1]) - span
     if not first - 1e-9 <= station <= last + 1e-9:
@@ -273,49 +251,6 @@ def _road(args: argparse.Namespace, span: float) -> tuple[bc.RoadProfile, float]
     return road.resample(RAMP_LENGTH).level(start), station
 
 
-def _speeds(text: str) -> FloatArray:
-    """Speeds [km/h] from 'A:B:D' or 'A,B,C'."""
-    if ":" not in text:
-        speeds = np.array(_numbers("--speeds", text, float))
-    else:
-        parts = text.split(":")
-        if len(parts) != 3:
-            raise ValueError(f"--speeds must look like 50:150:1 or 80,90,100, got {text!r}")
-        first, last, step = _numbers("--speeds", ",".join(parts), float)
-        if not (0 < first <= last and step > 0 and np.isfinite([first, last, step]).all()):
-            raise ValueError(f"--speeds must rise from above 0 km/h, as 50:150:1, got {text!r}")
-        if (last - first) / step > 10_000:
-            raise ValueError(f"--speeds must be at most 10000 speeds, got {text!r}")
-        speeds = first + step * np.arange(int((last - first) / step + 1e-9) + 1)
-    if not (np.isfinite(speeds).all() and (speeds > 0).all()):
-        raise ValueError(f"--speeds must be above 0 km/h, got {text!r}")
-    slowest, fastest = SPEEDS_KMH
-    if speeds.min() < slowest or speeds.max() > fastest:
-        raise ValueError(f"--speeds must be {slowest:g} to {fastest:g} km/h, got {text!r}")
-    return np.unique(speeds)
-
-
-def _numbers(option: str, text: str, kind: type) -> list[Any]:
-    try:
-        return [kind(part) for part in text.split(",")]
-    except ValueError:
-        raise ValueError(f"{option} must be numbers separated by commas, got {text!r}") from None
-
-
-def _check_plot(path: Path | None) -> None:
-    """Find out before the work that the figure cannot be written."""
-    if path is None:
-        return
-    if path.suffix.lower() not in (".png", ".pdf", ".svg"):
-        raise ValueError(f"--plot must end in .png, .pdf or .svg, got {str(path)!r}")
-    if not path.absolute().parent.is_dir():
-        raise ValueError(f"--plot: the folder {str(path.parent)!r} does not exist")
-    if path.is_dir():
-        raise ValueError(f"--plot must name a file, got the folder {str(path)!r}")
-    if not os.access(path if path.exists() else path.absolute().parent, os.W_OK):
-        raise ValueError(f"--plot: no permission to write {str(path)!r}")
-
-
 def _tell_drawn(path: Path | None) -> None:
     if path is not None:
         print(f"Drawn: {path}")
@@ -328,11 +263,33 @@ def _working(what: str) -> Any:
     return Console(stderr=True).status(what)
 
 
+def _run_profile(args: argparse.Namespace) -> None:
+    from bridgectl.report import measure_track, print_profile, profile_json
+
+    check_plot(args.plot)
+    if args.file is None:
+        roads = [bc.utia_road()]
+    elif args.track is not None:
+        roads = [bc.read_profile(args.file, track=args.track, **file_arguments(args))]
+    else:
+        roads = bc.read_tracks(args.file, **file_arguments(args))
+    tracks = [measure_track(road, args.segment) for road in roads]
+    if args.plot is not None:
+        from bridgectl.plots import profile_figure
+
+        profile_figure([track.road for track in tracks], args.segment).savefig(args.plot)
+    if args.json:
+        print(json.dumps(profile_json(tracks, args.segment), indent=1))
+    else:
+        print_profile(tracks, args.segment)
+        _tell_drawn(args.plot)
+
+
 def _run_paper(args: argparse.Namespace) -> None:
     from bridgectl.paper import paper_results
     from bridgectl.report import paper_json, print_paper
 
-    _check_plot(args.plot)
+    check_plot(args.plot)
     with _working("computing the paper's surfaces"):
         results = paper_results()
     if args.plot is not None:

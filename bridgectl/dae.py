@@ -103,6 +103,30 @@ class RampSurface:
         ramps = profile.ramps(self.ramp_length, start=-self.approach, stop=self.beam.length)
         return np.asarray(ramps.heights / self.ramp_height)
 
+    def road(self, drops: ArrayLike, name: str = "") -> RoadProfile:
+        """Road of straight ramps: what superposed histories belong to; see `ramps`.
+
+        Parameters
+        ----------
+        drops : array_like, shape (n_ramps,)
+            Drop over each ramp [m], positive downward.
+        name : str, optional
+            Name of the road.
+
+        Returns
+        -------
+        RoadProfile
+            Over approach and bridge, at elevation 0 where it starts.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is not one drop for each ramp, or a ramp is steeper than 1 m/m.
+        """
+        falls = _checks.array("drops", drops, (len(self.positions),), unit="m")
+        x = np.append(self.positions, self.positions[-1] + self.ramp_length)
+        return RoadProfile(x, -np.append(0.0, np.cumsum(falls)), name=name)
+
     def dae(self, profile: RoadProfile) -> FloatArray:
         """Dynamic amplification estimate of a road, Eq. (15).
 
@@ -193,7 +217,7 @@ class RampSurface:
             moment = self.histories.moments(i, drops[:, np.newaxis])
             moment += self.histories.smooth[i][:, np.newaxis]
             result[i] = find_peaks(moment).values[0]
-        road = self._straightened(drops)
+        road = self.road(drops)
         run = prepare(self._crossing(), road, -self.approach)
         flying = ~linear_contact(run, self.speeds)
         if flying.any():
@@ -217,11 +241,6 @@ class RampSurface:
 
     def _crossing(self) -> Crossing:
         return Crossing(self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery)
-
-    def _straightened(self, drops: FloatArray) -> RoadProfile:
-        """The road with straight ramps: what the superposed histories belong to."""
-        x = np.append(self.positions, self.positions[-1] + self.ramp_length)
-        return RoadProfile(x, -np.append(0.0, np.cumsum(drops)))
 
 
 @on_one_thread

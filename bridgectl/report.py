@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,11 +14,13 @@ from rich.table import Table
 from rich.text import Text
 
 from bridgectl import __version__
+from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dae import RampSurface
 from bridgectl.paper import PaperResults
 from bridgectl.quarter_car import QuarterCar
-from bridgectl.road import RoadProfile
+from bridgectl.road import PsdFit, RoadProfile
+from bridgectl.road.iri import BASE, GOOD
 
 WIDTH = 100
 """Columns of the tables where there is no terminal to tell."""
@@ -54,6 +57,42 @@ class DaeStudy:
         return [(float(self.surface.positions[i]), float(rises[i]), float(parts[i])) for i in order]
 
 
+@dataclass(frozen=True)
+class TrackMeasures:
+    """What `bridgectl profile` measures of one track; the numbers that its length allows."""
+
+    road: RoadProfile
+    iri: float
+    segments: FloatArray
+    fit: PsdFit | None
+
+    @property
+    def good(self) -> bool:
+        """Whether the road is good in the paper's sense."""
+        return self.iri < GOOD
+
+
+def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
+    """Measure a track; of uneven stations, at even ones no farther apart than 0.25 m."""
+    steps = np.diff(road.x)
+    if np.ptp(steps) > 1e-6 * steps.mean():
+        step = min(float(np.median(steps)), BASE)
+        warnings.warn(
+            f"{road.name}: the stations are unevenly spaced: measured after interpolation every "
+            f"{step:.6g} m",
+            UserWarning,
+            stacklevel=2,
+        )
+        road = road.resample(step)
+    whole = road.x[-1] - road.x[0]
+    segments = road.iri(segment) if whole >= check.positive("segment", segment) else np.array([])
+    try:
+        fit = road.psd().fit()
+    except ValueError:  # too short for a line
+        fit = None
+    return TrackMeasures(road, road.iri(), segments, fit)
+
+
 class _Console(Console):
     def on_broken_pipe(self) -> None:
         """Leave a closed pipe to the command line: it is no failure."""
@@ -73,7 +112,8 @@ def _table(title: str, columns: Sequence[str], words: Sequence[str] = ()) -> Tab
     table = Table(box=box.SIMPLE_HEAD)
     for name in columns:
         # A Text, since [m] in plain text would be read as markup.
-        table.add_column(Text(name), justify="left" if name in words else "right")
+        justify: Any = "left" if name in words else "right"
+        table.add_column(Text(name), justify=justify, overflow="fold")
     return table
 
 
@@ -149,6 +189,58 @@ def dae_json(study: DaeStudy) -> dict[str, Any]:
             {"x_m": x, "rise_m": rise, "contribution": part} for x, rise, part in study.largest()
         ],
     }  # fmt: skip
+
+
+def print_profile(tracks: Sequence[TrackMeasures], segment: float) -> None:
+    """Print what was measured of every track, and the IRI of its segments."""
+    console = _console()
+    columns = ["track", "from [m]", "to [m]", "step [m]", "IRI [m/km]", "", "class",
+               "G_d [1e-6 m3]", "waviness"]  # fmt: skip
+    table = _table("Roughness; G_d at 0.1 cycles/m", columns, ["track", "", "class"])
+    for track in tracks:
+        road, fit = track.road, track.fit
+        spectrum = ["-"] * 3
+        if fit is not None:
+            spectrum = [fit.iso_class, f"{1e6 * fit.roughness:.3g}", f"{fit.waviness:.2f}"]
+        step = (road.x[-1] - road.x[0]) / (road.x.size - 1)
+        table.add_row(
+            road.name, f"{road.x[0]:.6g}", f"{road.x[-1]:.6g}", f"{step:.5g}", f"{track.iri:.3f}",
+            "good" if track.good else "not good", *spectrum,
+        )  # fmt: skip
+    console.print(table)
+    longest = max(tracks, key=lambda track: track.segments.size)
+    if longest.segments.size < 2:
+        return
+    names = [track.road.name for track in tracks]
+    table = _table(f"IRI [m/km] of each {segment:g} m", ["from [m]", "to [m]", *names])
+    for i in range(longest.segments.size):
+        start = longest.road.x[0] + i * segment
+        cells = [f"{t.segments[i]:.3f}" if i < t.segments.size else "-" for t in tracks]
+        table.add_row(f"{start:.6g}", f"{start + segment:.6g}", *cells)
+    console.print(table)
+
+
+def profile_json(tracks: Sequence[TrackMeasures], segment: float) -> dict[str, Any]:
+    """Give what was measured of every track, with units in the keys."""
+    return {
+        "bridgectl": __version__,
+        "segment_m": segment,
+        "tracks": [
+            {
+                "name": track.road.name,
+                "from_m": float(track.road.x[0]),
+                "to_m": float(track.road.x[-1]),
+                "points": track.road.x.size,
+                "iri_m_per_km": track.iri,
+                "good": track.good,
+                "segment_iri_m_per_km": track.segments.tolist(),
+                "iso_class": track.fit and track.fit.iso_class,
+                "roughness_m3": track.fit and track.fit.roughness,
+                "waviness": track.fit and track.fit.waviness,
+            }
+            for track in tracks
+        ],
+    }
 
 
 def paper_json(results: PaperResults) -> dict[str, Any]:

@@ -3,8 +3,16 @@ import pytest
 from helpers import rough_road
 
 import bridgectl as bc
+from bridgectl.extremes import equal_roughness_pair
 from bridgectl.paper import paper_results
-from bridgectl.plots import dae_figure, paper_figure, smooth_daf_plot, surface_plot
+from bridgectl.plots import (
+    dae_figure,
+    pair_figure,
+    paper_figure,
+    profile_figure,
+    smooth_daf_plot,
+    surface_plot,
+)
 
 
 @pytest.fixture(scope="module")
@@ -84,3 +92,33 @@ def test_a_dollar_sign_in_a_roads_name_is_no_formula(bridge, truck, tmp_path):
 def test_a_place_that_changes_nothing_has_the_middle_colour(surface):
     bar = surface_plot(surface, difference=True).figure.axes[1]
     assert 0.0 in bar.get_yticks()
+
+
+def test_the_spectrum_is_drawn_with_its_line_and_the_classes(truck):
+    psd = bc.utia_road().psd()
+    axes = psd.plot()
+    assert axes.get_xlabel() == "wave number n [cycles/m]"
+    assert axes.get_ylabel() == "power spectral density $G_d$ [m³]"
+    drawn, line = axes.lines
+    assert drawn.get_ydata() == pytest.approx(psd.density)
+    assert "class B, w = 2.54" in line.get_label()
+    assert {text.get_text() for text in axes.texts} >= {"A", "B", "C"}
+
+
+def test_the_profile_figure_shows_each_segments_iri():
+    road = bc.utia_road()
+    figure = profile_figure([road], segment=100)
+    stairs = figure.axes[1].patches[0]
+    assert stairs.get_data().values == pytest.approx(road.iri(segment=100))
+
+
+def test_the_pair_figure_draws_both_roads_and_both_dafs(bridge, truck):
+    speeds = np.arange(80, 101, 10) / 3.6
+    surface = bc.ramp_surface(bridge, truck, speeds, approach=20)
+    road = bc.iso8608_profile("A", 45, seed=1, start=-20)
+    pair = equal_roughness_pair(surface, road, float(speeds[1]))
+    dafs = [bc.daf(bridge, truck, speeds, each, start=-20) for each in (pair.first, pair.second)]
+    figure = pair_figure(pair, speeds, dafs, smooth=surface.daf_smooth)
+    assert all(text for text in labels(figure))
+    curves = {line.get_label(): line.get_ydata() for line in figure.axes[2].lines}
+    assert curves["case 2"] == pytest.approx(dafs[1])

@@ -1,16 +1,9 @@
-"""Every figure, in one look: colours that colour-blind readers tell apart, units on every axis.
-
-The functions return axes or figures and leave `matplotlib.pyplot` alone: save with
-``figure.savefig(path)``, or ``axes.figure.savefig(path)``.
-"""
+"""Figures of crossings: DAF and DAE over speed, ramp surfaces, and the paper's figures."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import wraps
-from typing import Any, ParamSpec, TypeVar
+from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import CenteredNorm
@@ -25,29 +18,22 @@ from bridgectl.dae import RampSurface
 from bridgectl.paper import EXAMPLE_KMH, PaperResults
 from bridgectl.road import RoadProfile
 
-# Okabe and Ito's palette, and what the bridge is made of.
-SKY, BLUE, VERMILLION = "#56B4E9", "#0072B2", "#D55E00"
-BLACK, GREY = "#222222", "#8a8a8a"
-GROUND, PAVEMENT, DECK, BRIDGE_TINT = "#ddd8cc", "#aeb8bf", "#3f4a52", "#edf4f9"
-
-STYLE: Any = {
-    "font.size": 10.0,
-    "axes.titlesize": 10.5,
-    "axes.titlelocation": "left",
-    "axes.edgecolor": GREY,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.axisbelow": True,
-    "axes.grid": True,
-    "grid.color": "#e4e4e4",
-    "grid.linewidth": 0.7,
-    "legend.frameon": False,
-    "savefig.dpi": 160.0,
-}
-
-SPEED_LABEL = "speed [km/h]"
-PLACE_LABEL = "start of the ramp, x/l [-]"
-STATION_LABEL = "x from the start of the bridge [m]"
+from .style import (
+    BLACK,
+    BLUE,
+    BRIDGE_TINT,
+    DECK,
+    GREY,
+    GROUND,
+    PAVEMENT,
+    PLACE_LABEL,
+    SKY,
+    SPEED_LABEL,
+    STATION_LABEL,
+    VERMILLION,
+    new_axes,
+    styled,
+)
 
 MARKED = 10
 """How many of the largest contributions are marked."""
@@ -55,20 +41,8 @@ MARKED = 10
 FEW = 15
 """Curves of fewer points than this show them."""
 
-P = ParamSpec("P")
-T = TypeVar("T")
 
-
-def _styled(draw: Callable[P, T]) -> Callable[P, T]:
-    @wraps(draw)
-    def styled(*args: P.args, **kwargs: P.kwargs) -> T:
-        with mpl.rc_context(STYLE):
-            return draw(*args, **kwargs)
-
-    return styled
-
-
-@_styled
+@styled
 def dae_figure(
     surface: RampSurface,
     road: RoadProfile,
@@ -135,7 +109,7 @@ def dae_figure(
     return figure
 
 
-@_styled
+@styled
 def smooth_daf_plot(surface: RampSurface, ax: Axes | None = None) -> Axes:
     """Draw the DAF of a smooth road over the speed, Fig. 2 of the paper.
 
@@ -150,13 +124,13 @@ def smooth_daf_plot(surface: RampSurface, ax: Axes | None = None) -> Axes:
     -------
     matplotlib.axes.Axes
     """
-    ax = _axes(ax)
+    ax = new_axes(ax)
     ax.plot(*_curve(surface, surface.daf_smooth), color=BLACK, **_dots(surface))
     ax.set(xlabel=SPEED_LABEL, ylabel="DAF, smooth road [-]")
     return ax
 
 
-@_styled
+@styled
 def surface_plot(surface: RampSurface, *, difference: bool = False, ax: Axes | None = None) -> Axes:
     """Draw the DAF of a ramp over its place and the speed: Figs. 5 and 6 of the paper.
 
@@ -189,7 +163,7 @@ def surface_plot(surface: RampSurface, *, difference: bool = False, ax: Axes | N
     """
     if len(surface.speeds) < 2:
         raise ValueError("surface must have two speeds or more to be drawn, got one")
-    ax = _axes(ax)
+    ax = new_axes(ax)
     ramp = f"a {surface.ramp_height * 1e3:g} mm drop over {surface.ramp_length:g} m"
     values: FloatArray = surface.daf_unit
     ticks: FloatArray | None = None
@@ -215,7 +189,7 @@ def surface_plot(surface: RampSurface, *, difference: bool = False, ax: Axes | N
     return ax
 
 
-@_styled
+@styled
 def paper_figure(results: PaperResults) -> Figure:
     """Draw Figs. 2, 5(a), 5(b), 6(a) and 6(b) of the paper as computed.
 
@@ -242,10 +216,6 @@ def paper_figure(results: PaperResults) -> Figure:
     for name, panel in panels.items():
         panel.set_title(f"Fig. {name}: {panel.get_title(loc='left')}")
     return figure
-
-
-def _axes(ax: Axes | None) -> Axes:
-    return Figure(layout="constrained").subplots() if ax is None else ax
 
 
 def _curve(surface: RampSurface, values: ArrayLike) -> tuple[FloatArray, FloatArray]:

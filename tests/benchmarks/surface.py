@@ -6,10 +6,7 @@ one thread in one process; ratios are what to quote, machines differ.
 
 from __future__ import annotations
 
-import os
-
-for library in ("OPENBLAS", "OMP", "MKL"):  # before numpy starts its threads
-    os.environ[f"{library}_NUM_THREADS"] = "1"
+from timing import timed  # isort: skip  # before numpy, for it limits the threads
 
 import resource
 import time
@@ -22,16 +19,6 @@ import bridgectl as bc
 
 SPEEDS = np.arange(50, 151) / 3.6
 SAMPLE = 20
-
-
-def timed(call, repeats=3):
-    """Best wall time of some calls [s]."""
-    best = np.inf
-    for _ in range(repeats):
-        start = time.perf_counter()
-        call()
-        best = min(best, time.perf_counter() - start)
-    return best
 
 
 def one_ramp(speed, place):

@@ -1,0 +1,11 @@
+"""Roads that roughness numbers do not tell apart, and the roads that amplify most and least.
+
+Li, OBrien and Gonzalez (2006) show two roads of one IRI and one spectrum that load a bridge very
+differently (Fig. 3), and test their estimate on two artificial roads made for extremes of the DAF
+(Fig. 8, profiles 7 and 8).
+"""
+
+from .linear_program import ExtremeRoad, extreme_road
+from .pairs import EqualRoughnessPair, equal_roughness_pair
+
+__all__ = ["EqualRoughnessPair", "ExtremeRoad", "equal_roughness_pair", "extreme_road"]

@@ -1,0 +1,146 @@
+"""Options of the command line: what several commands share, and what their words mean."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import bridgectl as bc
+from bridgectl._checks import FloatArray
+from bridgectl.recovery import RECOVERIES
+
+SPEEDS_KMH = (1.0, 1000.0)
+"""Speeds that make sense [km/h]: a crawling vehicle needs cells, and memory, without end."""
+
+
+def add_file_options(parser: argparse.ArgumentParser) -> None:
+    """Add FILE, and how it is to be read."""
+    file = parser.add_argument_group("road file")
+    file.add_argument("file", nargs="?", metavar="FILE", help="delimited text, ERD or OpenCRG")
+    file.add_argument("--units", metavar="X,Z", help="units of station and elevation, as m,mm")
+    file.add_argument(
+        "--columns", metavar="I,J,...",
+        help="columns of the stations and of elevations, from 0 (default: the first, and those "
+        "whose unit the header states, or else the second)",
+    )  # fmt: skip
+    file.add_argument("--delimiter", metavar="C", help="what separates the columns, as ';'")
+    file.add_argument(
+        "--step", type=float, metavar="M", help="distance between lines without stations [m]"
+    )
+    file.add_argument(
+        "--track", metavar="NAME", help="which elevations of several, by label or number from 0"
+    )
+
+
+def file_arguments(args: argparse.Namespace) -> dict[str, Any]:
+    """Return what the file options say, as arguments of `read_profile` but for the track."""
+    columns = None
+    if args.columns is not None:
+        columns = tuple(numbers("--columns", args.columns, int))
+    return {
+        "units": args.units, "columns": columns, "delimiter": args.delimiter, "step": args.step
+    }  # fmt: skip
+
+
+def add_place_options(parser: argparse.ArgumentParser) -> None:
+    """Add where the bridge is in the road, and the speeds."""
+    road = parser.add_argument_group("place of the bridge")
+    road.add_argument(
+        "--station", type=float, metavar="M",
+        help="station of the start of the bridge [m]; default: the first after the approach",
+    )  # fmt: skip
+    road.add_argument(
+        "--approach", type=float, default=200.0, metavar="M",
+        help="road before the bridge that counts [m]; the vehicle starts there (default 200)",
+    )  # fmt: skip
+    road.add_argument(
+        "--no-detrend", action="store_true",
+        help="keep the grade; by default the straight line through the road is taken off, "
+        "as a vehicle that starts in equilibrium is not on a grade",
+    )  # fmt: skip
+    parser.add_argument(
+        "--speeds", default="50:150:1", metavar="A:B:D",
+        help="speeds [km/h], from A to B in steps of D, or a list A,B,C (default 50:150:1)",
+    )  # fmt: skip
+
+
+def add_bridge_options(parser: argparse.ArgumentParser) -> None:
+    """Add the bridge and how its moment is found."""
+    bridge = parser.add_argument_group("bridge (Li's thesis, 2006; default the paper's 25 m)")
+    bridge.add_argument("--span", type=int, default=25, metavar="M", help="odd, 9 to 43 [m]")
+    bridge.add_argument("--deck", help="solid, Y or super-Y, for spans that have several")
+    bridge.add_argument("--modes", type=int, default=3, metavar="N", help="number (default 3)")
+    bridge.add_argument(
+        "--damping-ratio", default="0", metavar="Z", help="of mode 1, or A,B,C of each (default 0)"
+    )
+    bridge.add_argument(
+        "--section", type=float, default=0.5, metavar="S",
+        help="section of the moment, as a fraction of the span (default 0.5)",
+    )  # fmt: skip
+    bridge.add_argument(
+        "--recovery", default="exact", metavar="HOW",
+        help=f"of the moment from the modes: {', '.join(RECOVERIES)} (default exact)",
+    )  # fmt: skip
+
+
+def add_vehicle_options(parser: argparse.ArgumentParser) -> None:
+    """Add the parameters of the quarter-car."""
+    vehicle = parser.add_argument_group("quarter-car (default the paper's truck)")
+    truck = bc.li2006.car()
+    units = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m"}
+    for name in (
+        "sprung_mass", "unsprung_mass", "suspension_stiffness", "tire_stiffness", "damping",
+    ):  # fmt: skip
+        unit, default = units[name.rpartition("_")[2]], getattr(truck, name)
+        vehicle.add_argument(
+            f"--{name.replace('_', '-')}", type=float, default=default, metavar="X",
+            help=f"[{unit}] (default {default:g})",
+        )  # fmt: skip
+
+
+def parse_speeds(text: str) -> FloatArray:
+    """Speeds [km/h] from 'A:B:D' or 'A,B,C'."""
+    if ":" not in text:
+        speeds = np.array(numbers("--speeds", text, float))
+    else:
+        parts = text.split(":")
+        if len(parts) != 3:
+            raise ValueError(f"--speeds must look like 50:150:1 or 80,90,100, got {text!r}")
+        first, last, step = numbers("--speeds", ",".join(parts), float)
+        if not (0 < first <= last and step > 0 and np.isfinite([first, last, step]).all()):
+            raise ValueError(f"--speeds must rise from above 0 km/h, as 50:150:1, got {text!r}")
+        if (last - first) / step > 10_000:
+            raise ValueError(f"--speeds must be at most 10000 speeds, got {text!r}")
+        speeds = first + step * np.arange(int((last - first) / step + 1e-9) + 1)
+    if not (np.isfinite(speeds).all() and (speeds > 0).all()):
+        raise ValueError(f"--speeds must be above 0 km/h, got {text!r}")
+    slowest, fastest = SPEEDS_KMH
+    if speeds.min() < slowest or speeds.max() > fastest:
+        raise ValueError(f"--speeds must be {slowest:g} to {fastest:g} km/h, got {text!r}")
+    return np.unique(speeds)
+
+
+def numbers(option: str, text: str, kind: type) -> list[Any]:
+    """Numbers separated by commas."""
+    try:
+        return [kind(part) for part in text.split(",")]
+    except ValueError:
+        raise ValueError(f"{option} must be numbers separated by commas, got {text!r}") from None
+
+
+def check_plot(path: Path | None) -> None:
+    """Find out before the work that the figure cannot be written."""
+    if path is None:
+        return
+    if path.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise ValueError(f"--plot must end in .png, .pdf or .svg, got {str(path)!r}")
+    if not path.absolute().parent.is_dir():
+        raise ValueError(f"--plot: the folder {str(path.parent)!r} does not exist")
+    if path.is_dir():
+        raise ValueError(f"--plot must name a file, got the folder {str(path)!r}")
+    if not os.access(path if path.exists() else path.absolute().parent, os.W_OK):
+        raise ValueError(f"--plot: no permission to write {str(path)!r}")

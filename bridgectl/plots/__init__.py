@@ -1,0 +1,18 @@
+"""Every figure, in one look.
+
+The functions return axes or figures and leave `matplotlib.pyplot` alone: save with
+``figure.savefig(path)``, or ``axes.figure.savefig(path)``.
+"""
+
+from .bridge import dae_figure, paper_figure, smooth_daf_plot, surface_plot
+from .roads import pair_figure, profile_figure, psd_plot
+
+__all__ = [
+    "dae_figure",
+    "pair_figure",
+    "paper_figure",
+    "profile_figure",
+    "psd_plot",
+    "smooth_daf_plot",
+    "surface_plot",
+]

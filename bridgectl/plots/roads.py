@@ -1,0 +1,203 @@
+"""Figures of roads: elevation, IRI and spectrum of a file, and roads of equal roughness."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from bridgectl._checks import FloatArray
+from bridgectl.extremes import EqualRoughnessPair
+from bridgectl.road import RoadProfile
+from bridgectl.road.iri import GOOD
+from bridgectl.road.psd import BAND, CLASSES, REFERENCE, RoadPsd, class_roughness
+
+from .style import (
+    BRIDGE_TINT,
+    GREY,
+    SPEED_LABEL,
+    STATION_LABEL,
+    TRACKS,
+    new_axes,
+    styled,
+)
+
+FILE_STATION_LABEL = "station [m]"
+
+
+@styled
+def profile_figure(roads: Sequence[RoadProfile], segment: float = 100.0) -> Figure:
+    """Draw the tracks of a road: elevation, IRI of each segment, and spectrum.
+
+    Parameters
+    ----------
+    roads : sequence of RoadProfile
+        The tracks, evenly spaced.
+    segment : float, optional
+        Length of the segments [m].
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ValueError
+        If a road is shorter than the segment, or not evenly spaced.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.plots import profile_figure
+    >>> [axes.get_ylabel() for axes in profile_figure([bc.utia_road()]).axes]
+    ['elevation, up [mm]', 'IRI [m/km]', 'power spectral density $G_d$ [m³]']
+    """
+    figure = Figure(figsize=(10.0, 8.4), layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.35, 1))
+    above = figure.add_subplot(grid[0, 0])
+    below = figure.add_subplot(grid[1, 0], sharex=above)
+    spectra = figure.add_subplot(grid[:, 1])
+    for road, color in zip(roads, _colors(len(roads)), strict=True):
+        above.plot(road.x, 1e3 * road.detrend().elevation, color=color, lw=0.9, label=road.name)
+        iri = road.iri(segment=segment)
+        edges = road.x[0] + segment * np.arange(iri.size + 1)
+        label = f"{road.name}: {road.iri():.2f} m/km"
+        below.stairs(iri, edges, baseline=None, color=color, lw=1.8, label=label)
+    above.set(ylabel="elevation, up [mm]", title="elevation without its straight line")
+    above.tick_params(labelbottom=False)
+    below.axhline(GOOD, color=GREY, ls="--", lw=1.2)
+    below.annotate(
+        f"not good: {GOOD:g} m/km and more", (0.01, GOOD), (0, 4), color=GREY,
+        xycoords=("axes fraction", "data"), textcoords="offset points",
+    )  # fmt: skip
+    below.set(
+        xlabel=FILE_STATION_LABEL, ylabel="IRI [m/km]", title=f"IRI of each {segment:g} m",
+        ylim=(0, max(below.get_ylim()[1], 1.15 * GOOD)),
+    )  # fmt: skip
+    below.legend(loc="lower right", framealpha=0.8, frameon=True, edgecolor="none")
+    _draw_spectra(spectra, [road.psd() for road in roads])
+    return figure
+
+
+@styled
+def psd_plot(psd: RoadPsd, ax: Axes | None = None) -> Axes:
+    """Draw the spectrum of a road over the classes of ISO 8608.
+
+    Parameters
+    ----------
+    psd : RoadPsd
+        See `RoadProfile.psd`.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure if omitted.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    ax = new_axes(ax)
+    _draw_spectra(ax, [psd])
+    return ax
+
+
+@styled
+def pair_figure(
+    pair: EqualRoughnessPair, speeds: ArrayLike, daf: ArrayLike, *, smooth: ArrayLike | None = None
+) -> Figure:
+    """Draw two roads of one IRI and one spectrum, and their DAF over speed: Fig. 3 of the paper.
+
+    Parameters
+    ----------
+    pair : EqualRoughnessPair
+        See `bridgectl.extremes.equal_roughness_pair`.
+    speeds : array_like, shape (n_speeds,)
+        Speeds [m/s].
+    daf : array_like, shape (2, n_speeds)
+        DAF of both roads.
+    smooth : array_like, optional
+        DAF of a smooth road, shape (n_speeds,).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = Figure(figsize=(10.0, 7.4), layout="constrained")
+    panels = figure.subplot_mosaic([["roads", "roads"], ["spectra", "daf"]], height_ratios=(1, 1.3))
+    roads, colors = (pair.first, pair.second), _colors(2)
+    kmh = np.asarray(speeds) * 3.6
+    for i, (road, color) in enumerate(zip(roads, colors, strict=True)):
+        label = f"case {i + 1}: IRI {pair.iri[i]:.2f} m/km"
+        panels["roads"].plot(road.x, 1e3 * road.elevation, color=color, lw=1.2, label=label)
+        panels["daf"].plot(kmh, np.asarray(daf)[i], color=color, lw=1.8, label=f"case {i + 1}")
+        psd = road.psd(float(road.x[-1] - road.x[0]), window="boxcar")
+        look = {"lw": 3.0 - 2 * i, "color": color, "label": f"case {i + 1}"}
+        panels["spectra"].loglog(psd.wavenumber, psd.density, **look)
+    if smooth is not None:
+        panels["daf"].plot(kmh, smooth, ":", color=GREY, lw=1.8, label="smooth road")
+    panels["daf"].axvline(pair.speed * 3.6, color=GREY, lw=0.9, zorder=1)
+    panels["daf"].set(
+        xlabel=SPEED_LABEL, ylabel="DAF [-]",
+        title=f"made to differ at {pair.speed * 3.6:.4g} km/h",
+    )  # fmt: skip
+    panels["roads"].axvspan(0, float(roads[0].x[-1]), color=BRIDGE_TINT, zorder=0)
+    panels["roads"].set(
+        xlabel=STATION_LABEL, ylabel="elevation, up [mm]", title="two roads of equal roughness"
+    )
+    panels["spectra"].set(
+        xlabel="wave number [cycles/m]",
+        ylabel="$G_d$ [m³]",
+        title="with one periodogram",
+    )
+    panels["spectra"].set_ylim(_range([psd.density[psd.wavenumber <= BAND[1]]]))
+    for panel in panels.values():
+        panel.legend()
+    return figure
+
+
+def _draw_spectra(ax: Axes, spectra: Sequence[RoadPsd]) -> None:
+    """Spectra, their lines, and the bands of the ISO classes that they lie in."""
+    lowest = min(psd.wavenumber[0] for psd in spectra)
+    highest = max(psd.wavenumber[-1] for psd in spectra)
+    n = np.array([min(lowest, BAND[0]), max(highest, BAND[1])])
+    limits = _range([psd.density[psd.wavenumber <= BAND[1]] for psd in spectra])
+    for psd, color in zip(spectra, _colors(len(spectra)), strict=True):
+        ax.loglog(psd.wavenumber, psd.density, color=color, lw=0.9, alpha=0.75)
+        fit = psd.fit()
+        label = (
+            f"{psd.name or 'road'}: class {fit.iso_class}, w = {fit.waviness:.2f},\n"
+            f"$G_d(n_0)$ = {fit.roughness * 1e6:.3g}·10⁻⁶ m³"
+        )
+        inside = np.clip(n, *BAND)
+        ax.loglog(inside, fit.roughness * (inside / REFERENCE) ** -fit.waviness, color=color,
+                  lw=2.2, label=label)  # fmt: skip
+    _draw_classes(ax, n, limits)
+    ax.set(
+        xlim=n, ylim=limits, xlabel="wave number n [cycles/m]",
+        ylabel="power spectral density $G_d$ [m³]", title="spectrum, and the ISO 8608 classes",
+    )  # fmt: skip
+    ax.legend(loc="lower left", fontsize=8.5)
+
+
+def _range(densities: Sequence[FloatArray]) -> tuple[float, float]:
+    """Limits of an axis that leave out what lies beyond the band, and make room for a legend."""
+    every = np.concatenate(densities)
+    return 0.05 * float(every.min()), 4 * float(every.max())
+
+
+def _draw_classes(ax: Axes, n: FloatArray, limits: tuple[float, float]) -> None:
+    """Bands of the classes, every other one tinted, with their letters at the left edge."""
+    shape = (n / REFERENCE) ** -2.0
+    for i, name in enumerate(CLASSES):
+        low, high = (class_roughness(name, level) * shape for level in ("lower", "upper"))
+        if i % 2 == 0:
+            ax.fill_between(n, low, high, color=BRIDGE_TINT, lw=0, zorder=0)
+        place = 1.5 * n[0]
+        height = class_roughness(name) * (place / REFERENCE) ** -2.0
+        if limits[0] < height < limits[1]:
+            ax.text(place, height, name, color=GREY, ha="center", va="center", fontsize=11)
+
+
+def _colors(count: int) -> list[str]:
+    return [TRACKS[i % len(TRACKS)] for i in range(count)]
