@@ -25,7 +25,7 @@ array([0.89 , 1.007, 1.039])
 from bridgectl import li2006
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing, crossing_system
-from bridgectl.dae import RampSurface, ramp_surface
+from bridgectl.dae import RampSurface
 from bridgectl.quarter_car import QuarterCar, convoy
 from bridgectl.response import LiftOffWarning, crossing_response, daf
 from bridgectl.road import (
@@ -37,6 +37,9 @@ from bridgectl.road import (
     utia_road,
     write_profile,
 )
+from bridgectl.surface import ramp_surface
+from bridgectl.surface_file import SurfaceFileError, load_surface
+from bridgectl.trust import DaeTrust, dae_trust
 from bridgectl.vehicle import Vehicle
 
 __version__ = "0.1.0"
@@ -44,18 +47,22 @@ __version__ = "0.1.0"
 __all__ = [
     "Beam",
     "Crossing",
+    "DaeTrust",
     "LiftOffWarning",
     "ProfileFileError",
     "QuarterCar",
     "RampSurface",
     "RoadProfile",
+    "SurfaceFileError",
     "Vehicle",
     "convoy",
     "crossing_response",
     "crossing_system",
+    "dae_trust",
     "daf",
     "iso8608_profile",
     "li2006",
+    "load_surface",
     "ramp_surface",
     "read_profile",
     "read_tracks",

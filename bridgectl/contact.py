@@ -34,14 +34,14 @@ class Flight(NamedTuple):
         Positions of the reference tire [m].
     states, forces : ndarray, shapes (n, m) and (n_tires, m)
         States and tire forces [N] at the nodes.
-    moments : ndarray, shape (4 (m - 1) + 1,)
-        Normalized moment at `bridgectl.propagator.sample_positions` of the nodes.
+    effects : ndarray, shape (6 (m - 1) + 1,)
+        The crossing's effect at `bridgectl.propagator.sample_positions` of the nodes.
     """
 
     nodes: FloatArray
     states: FloatArray
     forces: FloatArray
-    moments: FloatArray
+    effects: FloatArray
 
 
 class _Step(NamedTuple):
@@ -50,7 +50,7 @@ class _Step(NamedTuple):
     state: FloatArray
     would_be: FloatArray
     stage_forces: FloatArray
-    stage_moments: FloatArray
+    effects: FloatArray
 
 
 class _Stepper:
@@ -94,12 +94,12 @@ class _Stepper:
         kind, n = cells.kind[c], self.run.crossing.n_vehicle
         stages = cells.from_states[0, c] @ state + cells.from_road[0, c] @ rows
         forces = stages[: len(stages) // 2]
-        moments = cells.moment_from_states[0, kind] @ state[n:]
-        moments += cells.moment_from_forces[0, c] @ forces
+        effects = cells.effect_from_states[0, kind] @ state + cells.effect_constant
+        effects += cells.effect_from_stages[0, c] @ stages
         after = cells.free[0, kind, N_STAGES] @ state + cells.inputs[0, c] @ stages
         hubs = self.run.crossing.linear.hubs @ after[:n]
         would_be = self.run.crossing.tire_forces(hubs, shapes @ after[n::2], road)
-        return _Step(after, would_be, forces.reshape(N_STAGES, -1), moments)
+        return _Step(after, would_be, forces.reshape(N_STAGES, -1), effects)
 
 
 def fly(run: Run, nodes: FloatArray) -> Flight:
@@ -121,7 +121,7 @@ def fly(run: Run, nodes: FloatArray) -> Flight:
     touching = np.ones(crossing.linear.n_tires, dtype=bool)
     state: FloatArray = np.zeros(crossing.n_states)
     force = crossing.linear.static_loads
-    places, states, forces, moments = [nodes[0]], [state], [force], []
+    places, states, forces, effects = [nodes[0]], [state], [force], []
     for c, end in enumerate(nodes[1:]):
         x, turning = nodes[c], None
         while x < end:
@@ -136,7 +136,7 @@ def fly(run: Run, nodes: FloatArray) -> Flight:
                 reach = _event(stepper, x, end, latest, state, touching, just_turned)
                 step = stepper.part(x, reach, state, touching)
                 turning = int(np.argmin(_margins(step.would_be, touching) / slack))
-            moments.append([_moment(crossing, x, state, force), *step.stage_moments])
+            effects.append([_effect(crossing, x, state, force), *step.effects])
             if turning is not None:
                 touching = touching.copy()
                 touching[turning] = not touching[turning]
@@ -145,18 +145,17 @@ def fly(run: Run, nodes: FloatArray) -> Flight:
             places.append(x)
             states.append(state)
             forces.append(force)
-    last = _moment(crossing, nodes[-1], state, force)
+    last = _effect(crossing, nodes[-1], state, force)
     return Flight(
         np.array(places),
         np.array(states).T,
         np.array(forces).T,
-        np.append(np.ravel(moments), last),
+        np.append(np.ravel(effects), last),
     )
 
 
-def _moment(crossing: Crossing, x: float, state: FloatArray, force: FloatArray) -> float:
-    beam_state = state[np.newaxis, crossing.n_vehicle :]
-    return float(crossing.moments(np.array([x]), beam_state, force[np.newaxis])[0])
+def _effect(crossing: Crossing, x: float, state: FloatArray, force: FloatArray) -> float:
+    return float(crossing.values(np.array([x]), state[np.newaxis], force[np.newaxis])[0])
 
 
 def _margins(would_be: FloatArray, touching: NDArray[np.bool_]) -> FloatArray:

@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl.beam import Beam, beam_states
+from bridgectl.effects import EffectRows, effect_rows, known_effects, static_peak
 from bridgectl.quarter_car import QuarterCar
-from bridgectl.recovery import RECOVERIES, recover_moment
+from bridgectl.recovery import RECOVERIES
 from bridgectl.vehicle import Vehicle, signals, vehicle_states
 
 
@@ -54,6 +55,10 @@ class Crossing:
         - 'modal': curvature of the modes. Converges as 1 / n: for comparison only.
 
         `bridgectl.recovery` has the formulas.
+    effect : {'moment', 'deflection', 'tire_force', 'acceleration'}, optional
+        What amplification is of: bending moment or modal deflection at the section, tire force
+        ('tire_force_1', ... of several tires), each over its static peak, or the acceleration
+        of the first vehicle coordinate [m/s^2], downward.
 
     Raises
     ------
@@ -66,6 +71,7 @@ class Crossing:
     speed: float
     section: float = 0.5
     recovery: str = "exact"
+    effect: str = "moment"
 
     def __post_init__(self) -> None:
         if not isinstance(self.beam, Beam):
@@ -79,6 +85,7 @@ class Crossing:
             "speed": _checks.positive("speed", self.speed, unit="m/s"),
             "section": _checks.fraction("section", self.section),
             "recovery": _checks.choice("recovery", self.recovery, RECOVERIES),
+            "effect": _checks.choice("effect", self.effect, known_effects(self.linear)),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -110,16 +117,10 @@ class Crossing:
         """Position of the reference tire when the last tire leaves the bridge [m]."""
         return self.beam.length + float(self.linear.tire_offsets.max())
 
-    @cached_property
+    @property
     def peak_static_moment(self) -> float:
-        """Largest static moment M_0 at the section as the vehicle creeps across [N m].
-
-        The moment is piecewise linear in the position: its peak has a tire at the section.
-        """
-        offsets, at = self.linear.tire_offsets, self.section * self.beam.length
-        tires = at + offsets[:, np.newaxis] - offsets[np.newaxis, :]
-        line = self.beam.influence_line(tires, self.section)
-        return float(np.max(line @ self.linear.static_loads))
+        """Largest static moment M_0 at the section as the vehicle creeps across [N m]."""
+        return static_peak(self.beam, self.linear, self.section, "moment")
 
     def tire_positions(self, x: ArrayLike) -> FloatArray:
         """Positions of the tires [m] for the reference tire at x, shape (..., n_tires)."""
@@ -133,42 +134,47 @@ class Crossing:
         """
         return self.beam.mode_shapes(self.tire_positions(x))
 
-    def moment_rows(self, x: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Rows of the normalized moment M / M_0: Eqs. (6)-(8).
+    def rows(self, x: ArrayLike, effect: str | None = None) -> EffectRows:
+        """Rows of an effect, by default the crossing's, over its static peak: Eqs. (6)-(8).
 
         Parameters
         ----------
         x : array_like
             Positions of the reference tire [m], any shape.
+        effect : str, optional
+            One of those that `Crossing` has.
 
         Returns
         -------
-        per_force : ndarray, shape (..., n_tires)
-            Gain on the tire forces R [1/N].
-        per_state : ndarray, shape (2 n_modes,)
-            Gain on the beam states, the same everywhere.
+        EffectRows
+            Gains on the tire forces, shape (..., n_tires), and on the states, shape (n,).
         """
-        per_force, per_state = recover_moment(
-            self.beam, self.section, self.recovery, self.tire_positions(x)
-        )
-        return per_force / self.peak_static_moment, per_state / self.peak_static_moment
+        name = self.effect if effect is None else effect
+        beam, vehicle, tires = self.beam, self.linear, self.tire_positions(x)
+        rows = effect_rows(beam, vehicle, self.section, self.recovery, name, tires)
+        return rows.scaled(1 / static_peak(beam, vehicle, self.section, name))
 
-    def moments(self, x: FloatArray, beam_states: FloatArray, forces: FloatArray) -> FloatArray:
-        """Normalized moment M / M_0 at many positions of the reference tire.
+    def values(
+        self, x: FloatArray, states: FloatArray, forces: FloatArray, effect: str | None = None
+    ) -> FloatArray:
+        """Effect at many positions of the reference tire, over its static peak.
 
         Parameters
         ----------
         x : ndarray, shape (m,)
             Positions [m].
-        beam_states, forces : ndarray, shapes (..., m, 2 n_modes) and (..., m, n_tires)
-            Beam states and tire forces [N] there.
+        states, forces : ndarray, shapes (..., m, n) and (..., m, n_tires)
+            States and tire forces [N] there.
+        effect : str, optional
+            See `rows`.
 
         Returns
         -------
         ndarray, shape (..., m)
         """
-        per_force, per_state = self.moment_rows(x)
-        return np.asarray(np.einsum("mk,...mk->...m", per_force, forces) + beam_states @ per_state)
+        per_force, per_state, constant = self.rows(x, effect)
+        from_forces = np.einsum("mk,...mk->...m", per_force, forces)
+        return np.asarray(from_forces + states @ per_state + constant)
 
     @cached_property
     def deflection_row(self) -> FloatArray:
@@ -306,7 +312,7 @@ class Crossing:
         )
         return np.vstack(
             [
-                self.moments(self.speed * t, states[n:].T, forces.T),
+                self.values(self.speed * t, states.T, forces.T, "moment"),
                 self.deflection_row @ states[n:],
                 forces,
                 states[:n],

@@ -2,29 +2,38 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
-from bridgectl._progress import track
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.peaks import find_peaks
-from bridgectl.propagator import SAME_PLACE, sample_positions
 from bridgectl.quarter_car import QuarterCar
-from bridgectl.ramps import DenseHistories, Histories, factor_histories
-from bridgectl.response import METHODS, daf
+from bridgectl.ramps import Histories
+from bridgectl.response import daf
 from bridgectl.road import RoadProfile
-from bridgectl.simulation import Run, linear_contact, prepare, reference_moments
+from bridgectl.simulation import linear_contact, prepare
+from bridgectl.tire_contact import TireContact
 from bridgectl.vehicle import Vehicle
 
 if TYPE_CHECKING:
+    import xarray
     from matplotlib.axes import Axes
+
+Roads = RoadProfile | Sequence[RoadProfile] | ArrayLike
+"""A road, several, or elevations at a surface's stations."""
+
+ROADS_AT_ONCE = 250
+"""Roads whose histories are superposed together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +44,7 @@ class RampSurface:
 
     Attributes
     ----------
-    beam, vehicle, section, recovery
+    beam, vehicle, section, recovery, effect
         What was simulated: see `bridgectl.crossing.Crossing`.
     approach : float
         Where the vehicle starts before the bridge, and the ramps with it [m].
@@ -57,6 +66,7 @@ class RampSurface:
     vehicle: Vehicle | QuarterCar
     section: float
     recovery: str
+    effect: str
     approach: float
     ramp_length: float
     ramp_height: float
@@ -80,28 +90,54 @@ class RampSurface:
         """What a unit ramp changes, DAF_unit - DAF_smooth (Fig. 5(b)), (n_speeds, n_ramps)."""
         return np.asarray(self.daf_unit - self.daf_smooth[:, np.newaxis])
 
-    def ramps(self, profile: RoadProfile) -> FloatArray:
-        """Ramp scale factors s(i) of a road, Eq. (14): positive for a drop.
+    @property
+    def stations(self) -> FloatArray:
+        """Ends of the ramps [m]: where roads given as arrays have their elevations."""
+        return np.append(self.positions, self.positions[-1] + self.ramp_length)
+
+    def ramps(self, roads: Roads) -> FloatArray:
+        """Ramp scale factors s(i) of a road or of many, Eq. (14): positive for a drop.
 
         Parameters
         ----------
-        profile : RoadProfile
-            A road that covers the approach and the bridge.
+        roads : RoadProfile, sequence of RoadProfile, or array_like
+            A road that covers the approach and the bridge, or several; or their elevations [m] at
+            `stations`, positive up, shape (n_ramps + 1,) or (n_roads, n_ramps + 1).
 
         Returns
         -------
-        ndarray, shape (n_ramps,)
+        ndarray, shape (n_ramps,) or (n_roads, n_ramps)
 
         Raises
         ------
         TypeError
-            If `profile` is not a `RoadProfile`.
+            If `roads` is none of these.
         ValueError
-            If it does not cover the approach and the bridge.
+            If a road does not cover the approach and the bridge, or the elevations do not fit
+            the stations.
         """
-        prepare(self._crossing(), profile, -self.approach)
-        ramps = profile.ramps(self.ramp_length, start=-self.approach, stop=self.beam.length)
-        return np.asarray(ramps.heights / self.ramp_height)
+        if isinstance(roads, RoadProfile):
+            prepare(self._crossing(), roads, -self.approach)
+            ramps = roads.ramps(self.ramp_length, start=-self.approach, stop=self.beam.length)
+            return np.asarray(ramps.heights / self.ramp_height)
+        if isinstance(roads, Sequence) and any(isinstance(road, RoadProfile) for road in roads):
+            return np.array([self.ramps(road) for road in roads])
+        elevations = np.asarray(roads)
+        if elevations.dtype.kind not in "iuf":
+            raise TypeError(
+                "roads must be a RoadProfile, a list of them, or elevations [m] at the surface's "
+                f"stations, got {type(roads).__name__}"
+            )
+        if elevations.ndim not in (1, 2) or elevations.shape[-1] != len(self.positions) + 1:
+            raise ValueError(
+                f"roads must have elevations at the {len(self.positions) + 1} stations of the "
+                f"surface, shape (n_roads, {len(self.positions) + 1}), got {elevations.shape}"
+            )
+        scales = elevations[..., :-1] - elevations[..., 1:]
+        scales /= self.ramp_height
+        if not np.isfinite(scales).all():
+            raise ValueError("roads must be finite elevations [m]")
+        return np.asarray(scales)
 
     def road(self, drops: ArrayLike, name: str = "") -> RoadProfile:
         """Road of straight ramps: what superposed histories belong to; see `ramps`.
@@ -127,8 +163,9 @@ class RampSurface:
         x = np.append(self.positions, self.positions[-1] + self.ramp_length)
         return RoadProfile(x, -np.append(0.0, np.cumsum(falls)), name=name)
 
-    def dae(self, profile: RoadProfile) -> FloatArray:
-        """Dynamic amplification estimate of a road, Eq. (15).
+    @on_one_thread
+    def dae(self, roads: Roads) -> FloatArray:
+        """Dynamic amplification estimate of a road or of many, Eq. (15).
 
         DAE(c) = DAF_smooth(c) + sum_i [DAF_unit(c, i) - DAF_smooth(c)] s(i): a first-order
         estimate, right where the peak moment keeps its place in time and poor at speeds
@@ -136,12 +173,12 @@ class RampSurface:
 
         Parameters
         ----------
-        profile : RoadProfile
-            A road that covers the approach and the bridge.
+        roads
+            As `ramps`.
 
         Returns
         -------
-        ndarray, shape (n_speeds,)
+        ndarray, shape (n_speeds,) or (n_roads, n_speeds)
 
         Raises
         ------
@@ -163,15 +200,17 @@ class RampSurface:
         >>> print(f"{surface.dae(bc.li2006.fig7_road())[0]:.4f}")
         1.0648
         """
-        return np.asarray(self.daf_smooth + self.contributions(profile).sum(axis=1))
+        estimate: FloatArray = self.ramps(roads) @ self.daf_difference.T
+        estimate += self.daf_smooth
+        return estimate
 
-    def contributions(self, profile: RoadProfile) -> FloatArray:
-        """What each ramp of a road adds to its DAE, the terms of Eq. (15).
+    def contributions(self, road: RoadProfile | ArrayLike) -> FloatArray:
+        """What each ramp of one road adds to its DAE, the terms of Eq. (15).
 
         Parameters
         ----------
-        profile : RoadProfile
-            A road that covers the approach and the bridge.
+        road : RoadProfile or array_like, shape (n_ramps + 1,)
+            As `ramps`.
 
         Returns
         -------
@@ -182,23 +221,25 @@ class RampSurface:
         TypeError, ValueError
             As `ramps`.
         """
-        return np.asarray(self.daf_difference * self.ramps(profile))
+        scales = self.ramps(road)
+        if scales.ndim != 1:
+            raise ValueError(f"road must be one road, got {len(scales)}: take one at a time")
+        return np.asarray(self.daf_difference * scales)
 
     @on_one_thread
-    def superposed_daf(self, profile: RoadProfile) -> FloatArray:
-        """DAF of a road from the superposed moment histories: exact for a linear crossing.
+    def superposed_daf(self, roads: Roads) -> FloatArray:
+        """DAF of a road, or of many, from superposed histories: exact for a linear crossing.
 
         M(t) = M_smooth(t) + sum_i s(i) M_i(t), then its maximum.
 
         Parameters
         ----------
-        profile : RoadProfile
-            A road that covers the approach and the bridge; between the ends of the ramps it
-            counts as straight.
+        roads
+            As `ramps`; between the ends of the ramps a road counts as straight.
 
         Returns
         -------
-        ndarray, shape (n_speeds,)
+        ndarray, shape (n_speeds,) or (n_roads, n_speeds)
 
         Raises
         ------
@@ -211,26 +252,66 @@ class RampSurface:
             If a tire leaves the road at some speeds. The crossing is not linear there: they
             are simulated instead.
         """
-        drops = self.ramps(profile) * self.ramp_height
-        result = np.empty(len(self.speeds))
+        scales = self.ramps(roads)
+        drops = np.atleast_2d(scales) * self.ramp_height
+        values = np.hstack([self._superposed(part) for part in road_parts(drops.T)])
+        for road in np.nonzero(~np.isfinite(values).all(axis=0))[0]:
+            again = ~np.isfinite(values[:, road])
+            values[again, road] = daf(
+                self.beam, self.vehicle, self.speeds[again], self.road(drops[road]),
+                start=-self.approach, section=self.section, recovery=self.recovery,
+                effect=self.effect,
+            )  # fmt: skip
+        return np.asarray(values.T if scales.ndim == 2 else values[:, 0])
+
+    def _superposed(self, drops: FloatArray) -> FloatArray:
+        """Superposed DAF of roads, (n_speeds, n_roads); NaN where a tire may leave the road."""
+        values = np.empty((len(self.speeds), drops.shape[1]))
         for i in range(len(self.speeds)):
-            moment = self.histories.moments(i, drops[:, np.newaxis])
+            moment = self.histories.moments(i, drops)
             moment += self.histories.smooth[i][:, np.newaxis]
-            result[i] = find_peaks(moment).values[0]
-        road = self.road(drops)
-        run = prepare(self._crossing(), road, -self.approach)
-        flying = ~linear_contact(run, self.speeds)
-        if flying.any():
-            result[flying] = daf(
-                self.beam,
-                self.vehicle,
-                self.speeds[flying],
-                road,
-                start=-self.approach,
-                section=self.section,
-                recovery=self.recovery,
-            )
-        return result
+            values[i] = find_peaks(moment).values
+        values[self.near_lift_off(drops)] = np.nan
+        return values
+
+    def near_lift_off(self, drops: FloatArray) -> NDArray[np.bool_]:
+        """Tell where a tire force falls below 5 % of its static load in the linear crossing.
+
+        Of vehicles with several tires: where one falls below zero.
+
+        Parameters
+        ----------
+        drops : ndarray, shape (n_ramps, n_roads)
+            Drop over each ramp of each road [m].
+
+        Returns
+        -------
+        ndarray of bool, shape (n_speeds, n_roads)
+        """
+        if self._contact is not None:
+            return np.array([self._contact.doubtful(i, drops) for i in range(len(self.speeds))])
+        runs = [prepare(self._crossing(), self.road(road), -self.approach) for road in drops.T]
+        return ~np.column_stack([linear_contact(run, self.speeds) for run in runs])
+
+    @cached_property
+    def _contact(self) -> TireContact | None:
+        """Tire forces of the same ramps; None for several tires, whose roads are simulated."""
+        if self.vehicle.linear.n_tires > 1:
+            return None
+        run = prepare(self._crossing(), self.road(np.zeros(len(self.positions))), -self.approach)
+        return TireContact(run, self.speeds, self.ramp_length, len(self.positions))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Save the surface to an NPZ file: see `bridgectl.surface_file.save_surface`."""
+        from bridgectl.surface_file import save_surface  # late, for it lies above this module
+
+        save_surface(self, path)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the surface as a dataset: see `bridgectl.surface_xarray.surface_to_xarray`."""
+        from bridgectl.surface_xarray import surface_to_xarray
+
+        return surface_to_xarray(self)
 
     def plot(self, *, difference: bool = False, ax: Axes | None = None) -> Axes:
         """Draw the surface over place and speed: see `bridgectl.plots.surface_plot`."""
@@ -240,111 +321,12 @@ class RampSurface:
         return surface_plot(self, difference=difference, ax=ax)
 
     def _crossing(self) -> Crossing:
-        return Crossing(self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery)
-
-
-@on_one_thread
-def ramp_surface(
-    beam: Beam,
-    vehicle: Vehicle | QuarterCar,
-    speeds: ArrayLike,
-    *,
-    approach: float = 0.0,
-    ramp_length: float = 0.1,
-    ramp_height: float = 1e-3,
-    section: float = 0.5,
-    recovery: str = "exact",
-    method: str = "propagator",
-    progress: bool = True,
-) -> RampSurface:
-    """Compute the DAF of a unit ramp at every place, for every speed: Fig. 5 of the paper.
-
-    Parameters
-    ----------
-    beam, vehicle, section, recovery
-        See `bridgectl.crossing.Crossing`.
-    speeds : float or array_like
-        Speeds c [m/s].
-    approach : float, optional
-        Length of the approach [m]: the vehicle starts that far before the bridge, in
-        equilibrium, and ramps lie there too.
-    ramp_length, ramp_height : float, optional
-        The unit ramp [m]: by default 1 mm over 100 mm, a *drop*, as in the paper.
-    method : {'propagator', 'control'}, optional
-        'propagator': all ramps from one propagation, factored. 'control': one
-        `control.input_output_response` for each ramp and speed, slow, for comparison.
-    progress : bool, optional
-        Whether 'control' shows a progress bar on a terminal.
-
-    Returns
-    -------
-    RampSurface
-
-    Raises
-    ------
-    TypeError, ValueError
-        If a parameter has the wrong kind, shape or range; the message names it.
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Section 3.1.
-
-    Examples
-    --------
-    The paper prints 0.00433 for a unit ramp at 0.12 l and 110 km/h.
-
-    >>> import bridgectl as bc
-    >>> beam, car = bc.li2006.beam(), bc.li2006.car()
-    >>> surface = bc.ramp_surface(beam, car, 110 / 3.6, recovery="li2006")
-    >>> surface.positions[29].round(3), round(surface.daf_unit[0, 29] - surface.daf_smooth[0], 5)
-    (np.float64(2.9), np.float64(0.00429))
-    """
-    c = _checks.speeds(speeds)
-    length = _checks.positive("ramp_length", ramp_length, unit="m")
-    height = _checks.positive("ramp_height", ramp_height, unit="m")
-    if height > length:
-        raise ValueError(
-            f"ramp_height must not exceed ramp_length (a slope of 1), got {height:g} m over "
-            f"{length:g} m: for a ramp of 1 mm type 1e-3"
+        return Crossing(
+            self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery, self.effect
         )
-    before = _checks.not_negative("approach", approach, unit="m")
-    _checks.choice("method", method, METHODS)
-    crossing = Crossing(beam, vehicle, float(c[0]), section, recovery)
-    n_ramps = int(np.ceil((before + beam.length) / length - SAME_PLACE))
-    positions = -before + length * np.arange(n_ramps)
-    # The smooth road has nodes at the ramps' ends all the same.
-    edges = np.append(positions, positions[-1] + length)
-    smooth_road = RoadProfile(edges, np.zeros_like(edges))
-    run = prepare(crossing, smooth_road, -before)
-    if method == "propagator":
-        histories: Histories = factor_histories(run, c, length, n_ramps)
-    else:
-        histories = _simulate_ramps(run, edges, c, height, progress)
-    daf_smooth = find_peaks(histories.smooth.T).values
-    daf_unit = np.array([histories.peaks(i, height) for i in range(c.size)])
-    return RampSurface(
-        beam, vehicle, section, recovery, before, length, height, c, positions,
-        daf_smooth, daf_unit, histories,
-    )  # fmt: skip
 
 
-def _simulate_ramps(
-    run: Run, edges: FloatArray, speeds: FloatArray, height: float, progress: bool
-) -> DenseHistories:
-    """Histories of one control-library simulation for each ramp and speed."""
-    n_ramps = len(edges) - 1
-    nodes = run.nodes(float(speeds.min()))
-    nodes = nodes[np.searchsorted(nodes, -SAME_PLACE) :]
-    positions = sample_positions(nodes)
-    moments = np.empty((len(speeds), n_ramps + 1, len(positions)))
-    cases = [(i, ramp) for i in range(len(speeds)) for ramp in range(n_ramps + 1)]
-    for i, ramp in track(cases, "Simulating ramps", len(cases), show=progress):
-        # After the last edge there is no ramp: the smooth road.
-        road = RoadProfile(edges, -height * (np.arange(n_ramps + 1) > ramp))
-        at_speed = replace(run.crossing, speed=float(speeds[i]))
-        moments[i, ramp] = reference_moments(
-            run._replace(crossing=at_speed, profile=road), positions
-        )
-    smooth = moments[:, -1]
-    unit = (moments[:, :-1] - smooth[:, np.newaxis]) / height
-    return DenseHistories(nodes, smooth, np.moveaxis(unit, 1, 2))
+def road_parts(drops: FloatArray) -> Iterator[FloatArray]:
+    """Roads a few hundred at a time, so that their histories fit in memory."""
+    for first in range(0, drops.shape[1], ROADS_AT_ONCE):
+        yield drops[:, first : first + ROADS_AT_ONCE]

@@ -62,6 +62,19 @@ def add_place_options(parser: argparse.ArgumentParser) -> None:
         help="keep the grade; by default the straight line through the road is taken off, "
         "as a vehicle that starts in equilibrium is not on a grade",
     )  # fmt: skip
+    _add_speeds(parser)
+
+
+def add_validation_options(parser: argparse.ArgumentParser) -> None:
+    """Add what a validation may leave out."""
+    parser.add_argument(
+        "--spans", default="15,25,35", metavar="A,B,C",
+        help="spans [m], odd, 9 to 35 (default 15,25,35)",
+    )  # fmt: skip
+    _add_speeds(parser)
+
+
+def _add_speeds(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--speeds", default="50:150:1", metavar="A:B:D",
         help="speeds [km/h], from A to B in steps of D, or a list A,B,C (default 50:150:1)",

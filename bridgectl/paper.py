@@ -9,8 +9,9 @@ import numpy as np
 
 from bridgectl import li2006
 from bridgectl._checks import FloatArray
-from bridgectl.dae import RampSurface, ramp_surface
+from bridgectl.dae import RampSurface
 from bridgectl.response import daf
+from bridgectl.surface import ramp_surface
 
 RECOVERY = "li2006"
 """How the paper recovers the moment: see `bridgectl.crossing.Crossing`."""

@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from bridgectl._checks import FloatArray
-from bridgectl.propagator import N_STAGES, SAMPLES
+from bridgectl.propagator import SAMPLES
 
-_PER_CELL = N_STAGES + 1
+_PER_CELL = len(SAMPLES)
 _FINE = np.linspace(0.0, 1.0, 33)
 _KNOTS = np.append(SAMPLES, 1.0)
-# Values on the fine grid of the quartic through a cell's start, stages and end.
-_TO_FINE = np.vander(_FINE, 5, increasing=True) @ np.linalg.inv(np.vander(_KNOTS, increasing=True))
+# Values on the fine grid of the polynomial through a cell's samples and its end.
+_TO_FINE = np.vander(_FINE, len(_KNOTS)) @ np.linalg.inv(np.vander(_KNOTS))
 
 
 class Peaks(NamedTuple):
@@ -33,12 +33,12 @@ class Peaks(NamedTuple):
 def find_peaks(histories: FloatArray) -> Peaks:
     """Find the largest value of each history, between the samples too.
 
-    A history may have kinks at the nodes and is smooth within a cell, where the quartic
-    through its five samples stands for it.
+    A history may have kinks at the nodes and is smooth within a cell, where the
+    polynomial through its seven samples stands for it.
 
     Parameters
     ----------
-    histories : ndarray, shape (4 n_cells + 1, n_histories)
+    histories : ndarray, shape (6 n_cells + 1, n_histories)
         Values at `bridgectl.propagator.sample_positions`.
 
     Returns
@@ -47,7 +47,7 @@ def find_peaks(histories: FloatArray) -> Peaks:
         Arrays of shape (n_histories,).
     """
     # Within the margin of the largest sample another cell may hold the peak.
-    enough = histories.max(axis=0) - _margins(histories)
+    enough = histories.max(axis=0) - margins(histories)
     # Few samples come near any history's peak: look for those of each history among them.
     high = np.nonzero(histories.max(axis=1) >= enough.min())[0]
     samples, columns = np.nonzero(histories[high] >= enough)
@@ -59,11 +59,10 @@ def find_peaks(histories: FloatArray) -> Peaks:
     cells = np.concatenate([cells, cells[at_node] - 1])
     columns = np.concatenate([columns, columns[at_node]])
     inside = (cells >= 0) & (cells < n_cells)
-    pairs = np.unique(cells[inside] * histories.shape[1] + columns[inside])
-    cells, columns = np.divmod(pairs, histories.shape[1])
+    cells, columns = cells[inside], columns[inside]
 
     around = histories[_PER_CELL * cells + np.arange(_PER_CELL + 1)[:, np.newaxis], columns]
-    values, fractions = _quartic_peaks(around)
+    values, fractions = _polynomial_peaks(around)
     order = np.lexsort((values, columns))
     best = order[np.searchsorted(columns[order], np.arange(histories.shape[1]), side="right") - 1]
     return Peaks(values[best], cells[best], fractions[best])
@@ -76,28 +75,34 @@ def raise_peaks(best: FloatArray, histories: FloatArray) -> None:
     ----------
     best : ndarray, shape (n_histories,)
         Largest values so far, changed in place.
-    histories : ndarray, shape (4 n_cells + 1, n_histories)
+    histories : ndarray, shape (6 n_cells + 1, n_histories)
         As in `find_peaks`.
     """
-    columns = np.nonzero(histories.max(axis=0) + _margins(histories) >= best)[0]
+    columns = np.nonzero(histories.max(axis=0) + margins(histories) >= best)[0]
     if columns.size:
         every = columns.size == len(best)
         higher = find_peaks(histories if every else histories[:, columns]).values
         best[columns] = np.maximum(best[columns], higher)
 
 
-def _margins(histories: FloatArray) -> FloatArray:
+def whole_cells(first: int, last: int, n_samples: int) -> tuple[int, int]:
+    """Bounds of the samples of the whole cells that samples from `first` to `last` lie in."""
+    start = _PER_CELL * max(0, (int(first) - 1) // _PER_CELL)
+    return start, min(n_samples, _PER_CELL * (int(last) // _PER_CELL + 1) + 1)
+
+
+def margins(histories: FloatArray) -> FloatArray:
     """How far a history may rise above its samples, (n_histories,).
 
     Between samples a smooth history rises above them by an eighth of its second difference;
-    this is twice that.
+    this is twice that, and the difference of every other sample.
     """
-    first, middle, last = (histories[i::_PER_CELL] for i in range(1, _PER_CELL))
+    first, middle, last = (histories[i::_PER_CELL] for i in range(1, _PER_CELL, 2))
     return np.asarray(np.abs(first - 2 * middle + last).max(axis=0) / 4)
 
 
-def _quartic_peaks(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Peak and its place in [0, 1] of quartics given by five samples, shape (5, n)."""
+def _polynomial_peaks(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Peak and its place in [0, 1] of polynomials given by their samples, shape (7, n)."""
     fine = _TO_FINE @ samples
     top, each = fine.argmax(axis=0), np.arange(samples.shape[1])
     inner = np.clip(top, 1, len(_FINE) - 2)

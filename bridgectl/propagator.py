@@ -31,8 +31,17 @@ N_STAGES = 3
 GAUSS = (np.polynomial.legendre.leggauss(N_STAGES)[0] + 1) / 2
 """The stages as fractions of a cell: Gauss points, order 6 where the motion is smooth."""
 
-SAMPLES = np.concatenate([[0.0], GAUSS])
+BETWEEN = (GAUSS[1:] + GAUSS[:-1]) / 2
+"""Where the effect is sampled besides, so that the polynomial of a cell finds peaks to 1e-7."""
+
+SAMPLES = np.sort(np.concatenate([[0.0], GAUSS, BETWEEN]))
 """Where a cell's outputs are sampled, as fractions of it; its end is the next one's start."""
+
+# The points of a cell that responses are computed at, and the samples after its start in them.
+_POINTS = np.concatenate([GAUSS, [1.0], BETWEEN])
+_INNER = np.argsort(_POINTS)[:-1]
+# Values at those samples of the parabola through values at the stages.
+_FROM_STAGES = np.vander(SAMPLES[1:], N_STAGES) @ np.linalg.inv(np.vander(GAUSS))
 
 MAX_WIDTH = 0.1
 """Widest cell [m]: the paper's segment length, below which road waves do not matter."""
@@ -55,8 +64,9 @@ class Cells:
 
     Axis names: S speeds, C cells, U kinds of cells (different widths), M maps (one a cell on
     the bridge, one a kind off it), n states, q = N_STAGES * n_tires stage values of a
-    quantity, and R roads simulated side by side. The road of a cell comes as the rows
-    [r at its start, 1 for the static loads, rise of r in it], 2 n_tires + 1 in all.
+    quantity, N_INNER samples after a cell's start, and R roads simulated side by side. The road
+    of a cell comes as the rows [r at its start, 1 for the static loads, rise of r in it],
+    2 n_tires + 1 in all.
 
     Attributes
     ----------
@@ -64,16 +74,19 @@ class Cells:
         Positions of the reference tire at the ends of the cells [m].
     kind, map_of : ndarray of int, shape (C,)
         Kind and map of each cell.
-    free : ndarray, shape (S, U, N_STAGES + 1, n, n)
-        States at the stages and the end, from the states at the start, with no input.
+    free : ndarray, shape (S, U, points, n, n)
+        States at the stages, the end and points between, from the states at the start, with no
+        input.
     inputs : ndarray, shape (S, M, n, 2 q)
         States at the end, from the stage values [R, u].
     from_states, from_road : ndarray, shapes (S, M, 2 q, n) and (S, M, 2 q, 2 n_tires + 1)
         Stage values [R, u] of tire forces [N] and surface under the tires [m].
-    moment_from_states : ndarray, shape (S, U, N_STAGES, 2 n_modes)
-        Normalized moment at the stages, from the beam states at the start.
-    moment_from_forces : ndarray, shape (S, M, N_STAGES, q)
-        The same, from the stage values of R.
+    effect_from_states : ndarray, shape (S, U, N_INNER, n)
+        The crossing's effect at the samples after the start, from the states at the start.
+    effect_from_stages : ndarray, shape (S, M, N_INNER, 2 q)
+        The same, from the stage values [R, u].
+    effect_constant : float
+        What is always added to it.
     """
 
     nodes: FloatArray
@@ -83,8 +96,9 @@ class Cells:
     inputs: FloatArray
     from_states: FloatArray
     from_road: FloatArray
-    moment_from_states: FloatArray
-    moment_from_forces: FloatArray
+    effect_from_states: FloatArray
+    effect_from_stages: FloatArray
+    effect_constant: float
 
     @property
     def n_states(self) -> int:
@@ -118,14 +132,37 @@ class Cells:
             states[:, c + 1] += self.inputs[:, cell] @ stages[:, c]
         return states, stages
 
-    def transition(self) -> tuple[FloatArray, FloatArray]:
-        """Maps to the states at a cell's end from states and road rows, by map.
+    def transitions(self) -> tuple[FloatArray, FloatArray]:
+        """Maps from the states and from the road rows at a cell's start, by map.
 
-        Shapes (S, M, n, n) and (S, M, n, 2 n_tires + 1). Off the bridge, or for one cell a
-        kind, where maps and kinds are the same.
+        To the states at its end and the effect at its samples, stacked: shapes
+        (S, M, n + N_INNER, n) and (S, M, n + N_INNER, 2 n_tires + 1).
         """
-        states = self.free[:, :, N_STAGES] + self.inputs @ self.from_states
-        return states, self.inputs @ self.from_road
+        n_maps, n = self.inputs.shape[1], self.n_states
+        kind = self.kind if n_maps == len(self.kind) else np.arange(n_maps)
+        gains = np.concatenate([self.inputs, self.effect_from_stages], axis=2)
+        from_states = gains @ self.from_states
+        from_states[:, :, :n] += self.free[:, kind, N_STAGES]
+        from_states[:, :, n:] += self.effect_from_states[:, kind]
+        from_road = gains @ self.from_road
+        from_road[:, :, n:, from_road.shape[-1] // 2] += self.effect_constant
+        return from_states, from_road
+
+    def inner_effects(self, states: FloatArray, stages: FloatArray) -> FloatArray:
+        """Effect at the samples after the start of all cells of one road.
+
+        Parameters
+        ----------
+        states, stages : ndarray, shapes (S, C, n) and (S, C, 2 q)
+            States at the starts and stage values [R, u].
+
+        Returns
+        -------
+        ndarray, shape (S, C, N_INNER)
+        """
+        values = np.einsum("scmi,sci->scm", self.effect_from_states[:, self.kind], states)
+        values += np.einsum("scmq,scq->scm", self.effect_from_stages[:, self.map_of], stages)
+        return values + self.effect_constant
 
 
 def kink_positions(
@@ -241,9 +278,15 @@ def build_cells(
     for j in range(n_modes):
         own = slice(n + 2 * j, n + 2 * j + 2)
         free[..., own, own] = free_modes[:, :, j]
+    samples = np.zeros((len(positions), len(_INNER)))
+    if on_bridge:
+        samples = nodes[:-1, np.newaxis] + np.diff(nodes)[:, np.newaxis] * SAMPLES[1:]
+    per_state, from_stages, constant = _effect_maps(
+        crossing, samples, per_force, held_vehicle[:, kind_of_map]
+    )
     return Cells(
         nodes, kind, map_of, free, inputs, from_states, from_road,
-        *_moment_maps(crossing, positions, free, per_force),
+        per_state @ free[:, :, _INNER], from_stages, constant,
     )  # fmt: skip
 
 
@@ -272,19 +315,23 @@ def _beam_stages(
     return from_beam.reshape(*free.shape[:2], q, 2 * n_modes), compliance
 
 
-def _moment_maps(
-    crossing: Crossing, positions: FloatArray, free: FloatArray, per_force: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Normalized moment at the stages from the beam states and from the stage values of R."""
-    gain, row = crossing.moment_rows(positions)  # (M, N_STAGES, tires) and (2 modes,)
-    n, n_modes, q = crossing.n_vehicle, per_force.shape[3], per_force.shape[-1]
-    row = row[: 2 * n_modes]
-    from_states = np.einsum("i,supij->supj", row, free[:, :, :N_STAGES, n:, n:])
-    by_mode = row.reshape(n_modes, 2)
-    from_forces = np.einsum("ja,smpjaq->smpq", by_mode, per_force[:, :, :N_STAGES])
-    own = np.arange(q).reshape(N_STAGES, -1)
-    from_forces[:, :, np.arange(N_STAGES)[:, np.newaxis], own] += gain
-    return from_states, from_forces
+def _effect_maps(
+    crossing: Crossing, samples: FloatArray, per_force: FloatArray, held_vehicle: FloatArray
+) -> tuple[FloatArray, FloatArray, float]:
+    """The crossing's effect at samples (M, N_INNER): from the states there, [R, u], and always."""
+    rows, n, n_modes = crossing.rows(samples), crossing.n_vehicle, per_force.shape[3]
+    of_vehicle, of_beam = rows.per_state[:n], rows.per_state[n : n + 2 * n_modes]
+    batch, q = per_force.shape[:2], per_force.shape[-1]
+    from_stages = np.zeros((*batch, len(_INNER), 2 * q))
+    if of_beam.any():
+        by_mode = of_beam.reshape(n_modes, 2)
+        from_stages[..., :q] = np.einsum("ja,smpjaq->smpq", by_mode, per_force[:, :, _INNER])
+    if of_vehicle.any():
+        held = held_vehicle[:, :, _INNER].reshape(*batch, len(_INNER), n, q)
+        from_stages[..., q:] = np.einsum("i,smpiq->smpq", of_vehicle, held)
+    forces = np.einsum("mpk,pn->mpnk", rows.per_force, _FROM_STAGES)
+    from_stages[..., :q] += forces.reshape(len(samples), len(_INNER), q)
+    return np.append(of_vehicle, of_beam), from_stages, rows.constant
 
 
 def _vehicle_stages(
@@ -337,11 +384,11 @@ def _solve_stages(
 def _hold_responses(
     matrix: FloatArray, inputs: FloatArray, durations: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Responses of x' = A x + B u at the stages and the end of cells, exactly.
+    """Responses of x' = A x + B u at the points of cells, exactly.
 
     `matrix` and `inputs` have shapes (..., n, n) and (..., n, m), `durations` (S, U). Returns
-    the free response (S, U, ..., N_STAGES + 1, n, n) and the response to inputs that are
-    polynomials with given values at the stages (S, U, ..., N_STAGES + 1, n, N_STAGES, m).
+    the free response (S, U, ..., points, n, n) and the response to inputs that are polynomials
+    with given values at the stages (S, U, ..., points, n, N_STAGES, m).
     """
     n, m = inputs.shape[-2:]
     batch = matrix.shape[:-2]
@@ -353,8 +400,8 @@ def _hold_responses(
     chain[..., :n, n : n + m] = inputs * scaled
     upper = np.arange(n, size - m)
     chain[..., upper, upper + m] = 1.0
-    ends = np.append(GAUSS, 1.0)[:, np.newaxis, np.newaxis]
-    response = expm(chain[..., np.newaxis, :, :] * ends)
+    points = _POINTS[:, np.newaxis, np.newaxis]
+    response = expm(chain[..., np.newaxis, :, :] * points)
     powers = response[..., :n, n:].reshape(*response.shape[:-2], n, N_STAGES, m)
     factorials = np.array([1.0, 1.0, 2.0])
     lagrange = factorials[:, np.newaxis] * np.linalg.inv(np.vander(GAUSS, increasing=True))

@@ -9,17 +9,20 @@ no transition matrix is ever inverted, so stiff or heavily damped vehicles are n
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
-from bridgectl.peaks import find_peaks, raise_peaks
-from bridgectl.propagator import N_STAGES, SAME_PLACE, SAMPLES, Cells, build_cells
+from bridgectl.peaks import find_peaks, margins, raise_peaks, whole_cells
+from bridgectl.propagator import SAME_PLACE, SAMPLES, Cells, build_cells
 from bridgectl.simulation import Run, speed_batches
+
+ALL = slice(None)
 
 
 class Histories(Protocol):
@@ -117,45 +120,29 @@ class FactoredHistories:
         if isinstance(drops, np.ndarray):
             blocks = self._of_roads(speed, drops)
         else:
-            states = self._states_of_ramps(speed, drops)
-            blocks = (
-                self._block_of_ramps(speed, drops, block, at_start)
-                for block, at_start in enumerate(states)
-            )
-        return np.concatenate([block[:-1] for block in blocks])[: self.smooth.shape[1]]
+            ramps = _RampsApart(self, speed, drops)
+            blocks = (ramps.block(block) for block in range(len(self.local)))
+        return _joined(blocks)[: self.smooth.shape[1]]
 
     def peaks(self, speed: int, drops: float) -> FloatArray:
-        """See `Histories.peaks`. Block by block: the histories are never held whole."""
+        """See `Histories.peaks`. Only where some ramp may have its peak are histories computed."""
         per_block, smooth = self.rows.shape[2] - 1, self.smooth[speed]
-        states = self._states_of_ramps(speed, drops)
-        best = np.full(self.entry.shape[-1], -np.inf)
-        blocks = [smooth[i : i + per_block + 1] for i in range(0, len(smooth), per_block)]
-        # The highest first: most of the others then hold no peak.
-        for block in np.argsort([-samples.max() for samples in blocks]):
-            samples = blocks[block]
-            if len(samples) > 1:
-                moment = self._block_of_ramps(speed, drops, block, states[block])[: len(samples)]
-                moment += samples[:, np.newaxis]
+        ramps = _RampsApart(self, speed, drops)
+        top = min(int(smooth.argmax()), len(smooth) - 2)
+        block, sample = divmod(top, per_block)
+        best = smooth[top] + ramps.block(block, slice(sample, sample + 1))[0]
+        # Between samples a moment rises above them by its margin, to which a ramp adds as much as
+        # its reach.
+        room = margins(smooth[:, np.newaxis])[0] + 2 * ramps.reach()
+        for block in range(-(-(len(smooth) - 1) // per_block)):
+            samples = smooth[block * per_block : (block + 1) * per_block + 1]
+            high = np.nonzero(samples + room[block] >= best.min())[0]
+            if high.size:
+                cells = slice(*whole_cells(high[0], high[-1], len(samples)))
+                moment = ramps.block(block, cells)
+                moment += samples[cells, np.newaxis]
                 raise_peaks(best, moment)
         return best
-
-    def _states_of_ramps(self, speed: int, drop: float) -> FloatArray:
-        """States at the start of each block, of each ramp on its own, (B, n, N + 1)."""
-        # One more column takes what the unused places of `local` bring.
-        states = np.empty((len(self.local), self.entry.shape[1], self.entry.shape[2] + 1))
-        states[0] = np.pad(self.entry[speed] * drop, ((0, 0), (0, 1)))
-        for block in range(len(self.local) - 1):
-            np.matmul(self.carried[speed, block], states[block], out=states[block + 1])
-            states[block + 1][:, self.local[block]] += self.added[speed, block] * drop
-        return states
-
-    def _block_of_ramps(
-        self, speed: int, drop: float, block: int, states: FloatArray
-    ) -> FloatArray:
-        """History in a block of each ramp on its own, (T + 1, N)."""
-        moment = self.rows[speed, block] @ states
-        moment[:, self.local[block]] += self.direct[speed, block] * drop
-        return moment[:, :-1]
 
     def _of_roads(self, speed: int, drops: FloatArray) -> Iterator[FloatArray]:
         """Histories of roads, block by block."""
@@ -167,6 +154,46 @@ class FactoredHistories:
             states = self.carried[speed, block] @ states + self.added[speed, block] @ here
 
 
+class _RampsApart:
+    """Histories of each ramp on its own, as high as `drop` [m], at one speed.
+
+    Ramps that every tire has passed at the entry live on in the entry states alone: the rows of
+    each block meet those, through the blocks before it. The others have states at each block.
+    """
+
+    def __init__(self, histories: FactoredHistories, speed: int, drop: float) -> None:
+        self.local = histories.local
+        carried, self.rows = histories.carried[speed], histories.rows[speed]
+        entry, added = histories.entry[speed] * drop, histories.added[speed] * drop
+        self.direct = histories.direct[speed] * drop
+        self.n_passed = min(int(self.local.min()), entry.shape[1])
+        self.passed = entry[:, : self.n_passed]
+        self.from_entry = np.empty_like(self.rows)
+        # One more column takes what the unused places of `local` bring.
+        others = np.pad(entry[:, self.n_passed :], ((0, 0), (0, 1)))
+        self.states = np.empty((len(self.local), *others.shape))
+        through = np.eye(len(entry))
+        for block, here in enumerate(self.local - self.n_passed):
+            self.from_entry[block], self.states[block] = self.rows[block] @ through, others
+            through, others = carried[block] @ through, carried[block] @ others
+            others[:, here] += added[block]
+
+    def block(self, block: int, samples: slice = ALL) -> FloatArray:
+        """Histories in a block, or at some samples of it, (T + 1, N)."""
+        others = self.rows[block, samples] @ self.states[block]
+        others[:, self.local[block] - self.n_passed] += self.direct[block, samples]
+        if self.n_passed == 0:
+            return others[:, :-1]
+        return np.hstack([self.from_entry[block, samples] @ self.passed, others[:, :-1]])
+
+    def reach(self) -> FloatArray:
+        """What no ramp exceeds in a block, at samples: a bound, (B,)."""
+        others = np.abs(self.rows).max(axis=1) * np.abs(self.states).max(axis=2)
+        reach = others.sum(axis=1) + np.abs(self.direct).max(axis=(1, 2))
+        passed = np.abs(self.from_entry).max(axis=1) @ np.abs(self.passed).max(axis=1, initial=0.0)
+        return np.asarray(np.maximum(reach, passed))
+
+
 def factor_histories(
     run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int
 ) -> FactoredHistories:
@@ -176,12 +203,14 @@ def factor_histories(
     """
     nodes = run.nodes(float(speeds.min()))
     entry = int(np.searchsorted(nodes, -SAME_PLACE))
-    before, nodes = nodes[: entry + 1], nodes[entry:]
-    # About as many blocks as cells in a block: both loops are then short. One cell more than
-    # there are holds the last node's sample.
-    per_block = max(1, round(np.sqrt(len(nodes))))
-    n_blocks = -(-len(nodes) // per_block)
-    nodes = np.pad(nodes, (0, n_blocks * per_block + 1 - len(nodes)), mode="edge")
+    nodes = nodes[entry:]
+    # About as many blocks as cells in a block: both loops are then short. Cells beyond the exit
+    # fill the last block; nothing reads them.
+    n_cells = len(nodes) - 1
+    per_block = max(1, round(np.sqrt(n_cells)))
+    n_blocks = -(-n_cells // per_block)
+    beyond = np.arange(1, n_blocks * per_block - n_cells + 1) * (nodes[-1] - nodes[-2])
+    nodes = np.append(nodes, nodes[-1] + beyond)
     at_work = _ramps_of_cells(run, nodes, ramp_length, n_ramps)
     local, place = _local_ramps(at_work.reshape(n_blocks, -1), n_ramps)
     share = np.diff(nodes) / ramp_length
@@ -190,15 +219,22 @@ def factor_histories(
     parts = []
     for batch in speed_batches(run, speeds):
         cells = build_cells(run.crossing, speeds[batch], nodes, on_bridge=True)
-        arrived = _entry_states(run, speeds[batch], before, ramp_length, n_ramps)
+        arrived = _entry_states(run, speeds[batch], ramp_length, n_ramps)
         parts.append(_factor_blocks(run, cells, rises, arrived))
     smooth, entries, carried, added, rows, direct = (
         np.concatenate(arrays) for arrays in zip(*parts, strict=True)
     )
-    n_samples = len(SAMPLES) * (len(nodes) - 2) + 1
+    n_samples = len(SAMPLES) * n_cells + 1
+    smooth = np.array([_joined(blocks)[:n_samples] for blocks in smooth])
     return FactoredHistories(
-        nodes[:-1], smooth[:, :n_samples], entries, local, carried, added, rows, direct
+        nodes[: n_cells + 1], smooth, entries, local, carried, added, rows, direct
     )
+
+
+def _joined(blocks: Iterable[FloatArray]) -> FloatArray:
+    """Blocks of samples, each ending where the next begins, as one history."""
+    first, *others = blocks
+    return np.concatenate([first, *(block[1:] for block in others)])
 
 
 def _ramps_of_cells(
@@ -207,7 +243,7 @@ def _ramps_of_cells(
     """Index of the ramp under each tire in each cell; n_ramps where there is none, (C, tires)."""
     middles = run.crossing.tire_positions((nodes[:-1] + nodes[1:]) / 2)
     index = np.floor((middles - run.start) / ramp_length).astype(np.intp)
-    none = (index < 0) | (index >= n_ramps) | (np.diff(nodes) == 0)[:, np.newaxis]
+    none = (index < 0) | (index >= n_ramps)
     return np.where(none, n_ramps, index)
 
 
@@ -240,31 +276,57 @@ def _block_rises(place: NDArray[np.intp], share: FloatArray, n_places: int) -> F
     return rises[..., :-1]
 
 
-def _entry_states(
-    run: Run, speeds: FloatArray, nodes: FloatArray, ramp_length: float, n_ramps: int
-) -> FloatArray:
-    """States and road under the tires at the bridge, per height of each ramp before it."""
+def _entry_states(run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int) -> FloatArray:
+    """States and road under the tires at the bridge, per height of each ramp before it.
+
+    On the rigid road of the approach the vehicle is time-invariant: what a ramp leaves behind
+    goes on alike, wherever it lies.
+    """
     crossing, n = run.crossing, run.crossing.n_vehicle
-    n_tires = crossing.linear.n_tires
-    states = np.zeros((len(speeds), crossing.n_states + n_tires, n_ramps + 1))
-    if len(nodes) == 1:
-        return states[..., :-1]
-    cells = build_cells(crossing, speeds, nodes, on_bridge=False)
-    step, from_road = cells.transition()
-    at_work = _ramps_of_cells(run, nodes, ramp_length, n_ramps)
-    share = np.diff(nodes) / ramp_length
-    # Backwards from the bridge: what follows a cell acts on the vehicle states that the cell
-    # adds, and on the road that it leaves under the tires.
-    after = np.broadcast_to(np.eye(n, n + n_tires), (len(speeds), n, n + n_tires))
-    for c in range(len(share) - 1, -1, -1):
-        kind, on_states, on_road = cells.map_of[c], after[..., :n], after[..., n:]
-        added = on_states @ from_road[:, kind, :, n_tires + 1 :] + on_road
-        for tire, ramp in enumerate(at_work[c]):
-            states[:, :n, ramp] += share[c] * added[..., tire]
-            states[:, crossing.n_states + tire, ramp] += share[c]
-        on_road = on_states @ from_road[:, kind, :, :n_tires] + on_road
-        after = np.concatenate([on_states @ step[:, kind], on_road], axis=-1)
-    return states[..., :-1]
+    vehicle = crossing.linear
+    states = np.zeros((len(speeds), crossing.n_states + vehicle.n_tires, n_ramps))
+    starts = run.start + ramp_length * np.arange(n_ramps)
+    past = (crossing.tire_positions(0.0)[:, np.newaxis] - starts) / ramp_length
+    # Ends of ramps under a tire at the entry are passed, but for round-off.
+    past = np.where(np.abs(past - np.round(past)) * ramp_length < SAME_PLACE, np.round(past), past)
+    states[:, crossing.n_states :] = np.clip(past, 0.0, 1.0)
+    duration = ramp_length / speeds
+    for tire, ramps in enumerate(past):
+        # Vehicle, road under the tire and its rate of climb: a ramp is a unit of the last.
+        chain = np.zeros((n + 2, n + 2))
+        chain[:n, :n] = vehicle.state_matrix_on_tires()
+        chain[:n, n] = vehicle.road_input[:, tire]
+        on_ramp = chain.copy()
+        on_ramp[n, n + 1] = 1.0
+        climbed = np.nonzero(ramps >= 1)[0]
+        if climbed.size:
+            left = _expm(on_ramp, duration)[..., n + 1 :] / duration[:, np.newaxis, np.newaxis]
+            last = _expm(chain, duration * (ramps[climbed[-1]] - 1)) @ left
+            after = _repeated(last, _expm(chain, duration), climbed.size)
+            states[:, :n, : climbed.size] += after[:, :n]
+        for ramp in np.nonzero((ramps > 0) & (ramps < 1))[0]:
+            states[:, :n, ramp] += (
+                _expm(on_ramp, duration * ramps[ramp])[:, :n, n + 1] / duration[:, np.newaxis]
+            )
+    return states
+
+
+def _expm(matrix: FloatArray, durations: FloatArray) -> FloatArray:
+    """Matrix exponential for each duration, (S, n, n)."""
+    return np.asarray(expm(matrix * durations[:, np.newaxis, np.newaxis]))
+
+
+def _repeated(last: FloatArray, step: FloatArray, count: int) -> FloatArray:
+    """States (S, n, count) of which each is `step` times the one after it, and the last given."""
+    states = np.empty((*last.shape[:2], count))
+    states[..., -1:] = last
+    known = 1
+    while known < count:  # twice as many with each product
+        more = min(known, count - known)
+        states[..., count - known - more : count - known] = step @ states[..., count - more :]
+        step = step @ step
+        known += more
+    return states
 
 
 def _factor_blocks(
@@ -273,51 +335,46 @@ def _factor_blocks(
     """Run through all blocks at once, from unit states, unit ramps and the static loads.
 
     The columns of what is propagated are [states, road under the tires, ramps of the block,
-    static loads].
+    static loads], its rows [states, road rows].
     """
     n, n_speeds = cells.n_states, len(cells.free)
     n_blocks, per_block, n_tires, n_local = rises.shape
     carried = slice(n + n_tires)
     ramps = slice(n + n_tires, n + n_tires + n_local)
     road = _block_road_rows(rises, n)
-    states = np.zeros((n_speeds, n_blocks, n, road.shape[-1]))
+    n_columns = road.shape[-1]
+    states = np.zeros((n_speeds, n_blocks, n + road.shape[-2], n_columns))
     states[:, :, np.arange(n), np.arange(n)] = 1.0
-    n_samples = per_block * len(SAMPLES)
-    by_sample = np.empty((n_speeds, n_blocks, n_samples + 1, road.shape[-1]))
-    moments = np.empty((n_speeds, n_blocks, per_block, len(SAMPLES), road.shape[-1]))
-    node_rows, node_road = _node_moment_rows(run, cells)
+    effects = np.empty((n_speeds, n_blocks, per_block * len(SAMPLES) + 1, n_columns))
+    at_nodes = _node_rows(run, cells)
+    through = np.concatenate(cells.transitions(), axis=-1)
     by_block = np.arange(n_blocks * per_block).reshape(n_blocks, per_block)
-    beam, q = run.crossing.n_vehicle, N_STAGES * n_tires
     for k in range(per_block):
-        cell, kind = by_block[:, k], cells.kind[by_block[:, k]]
-        stages = cells.from_states[:, cell] @ states + cells.from_road[:, cell] @ road[:, k]
-        moments[:, :, k, 0] = np.einsum("bi,sbiz->sbz", node_rows[cell], states)
-        moments[:, :, k, 0] += np.einsum("bi,biz->bz", node_road[cell], road[:, k])
-        moments[:, :, k, 1:] = cells.moment_from_states[:, kind] @ states[:, :, beam:]
-        moments[:, :, k, 1:] += cells.moment_from_forces[:, cell] @ stages[:, :, :q]
-        states = cells.free[:, kind, N_STAGES] @ states + cells.inputs[:, cell] @ stages
+        states[:, :, n:] = road[:, k]
+        cell, sample = by_block[:, k], len(SAMPLES) * k
+        after = through[:, cell] @ states
+        effects[:, :, sample] = (at_nodes[cell, np.newaxis] @ states)[:, :, 0]
+        effects[:, :, sample + 1 : sample + len(SAMPLES)] = after[:, :, n:]
+        states[:, :, :n] = after[:, :, :n]
 
-    ends = np.zeros((n_speeds, n_blocks, n + n_tires, road.shape[-1]))
-    ends[:, :, :n] = states
+    ends = np.zeros((n_speeds, n_blocks, n + n_tires, n_columns))
+    ends[:, :, :n] = states[:, :, :n]
     ends[:, :, n:, n : n + n_tires] = np.eye(n_tires)
     ends[:, :, n:, ramps] = rises.sum(axis=1)
-    by_sample[:, :, :-1] = moments.reshape(n_speeds, n_blocks, n_samples, -1)
-    after = by_block[:, -1] + 1
-    end_road = road[:, -1].copy()
-    end_road[:, :n_tires] += road[:, -1, n_tires + 1 :]
-    by_sample[:, :, -1] = np.einsum("bi,sbiz->sbz", node_rows[after], states)
-    by_sample[:, :, -1] += np.einsum("bi,biz->bz", node_road[after], end_road)
+    # The road that the last cell of a block ends on.
+    states[:, :, n : n + n_tires] += road[:, -1, n_tires + 1 :]
+    effects[:, :, -1] = (at_nodes[by_block[:, -1] + 1, np.newaxis] @ states)[:, :, 0]
     smooth, now = [], np.zeros((n_speeds, n + n_tires))
-    for rows, end in zip(by_sample.swapaxes(0, 1), ends.swapaxes(0, 1), strict=True):
-        smooth.append(rows[:, :-1, -1] + np.einsum("sti,si->st", rows[:, :-1, carried], now))
+    for rows, end in zip(effects.swapaxes(0, 1), ends.swapaxes(0, 1), strict=True):
+        smooth.append(rows[:, :, -1] + np.einsum("sti,si->st", rows[..., carried], now))
         now = np.einsum("sij,sj->si", end[..., carried], now) + end[..., -1]
     return (
-        np.concatenate(smooth, axis=1),
+        np.stack(smooth, axis=1),
         entry,
         ends[..., carried],
         ends[..., ramps],
-        by_sample[..., carried],
-        by_sample[..., ramps],
+        effects[..., carried],
+        effects[..., ramps],
     )
 
 
@@ -334,18 +391,16 @@ def _block_road_rows(rises: FloatArray, n_states: int) -> FloatArray:
     return rows
 
 
-def _node_moment_rows(run: Run, cells: Cells) -> tuple[FloatArray, FloatArray]:
-    """Moment at each node from the states and from the road rows."""
-    crossing, vehicle = run.crossing, run.crossing.linear
-    starts = cells.nodes
-    gain, row = crossing.moment_rows(starts)
+def _node_rows(run: Run, cells: Cells) -> FloatArray:
+    """The crossing's effect at each node from the states and the road rows, (C + 1, ...)."""
+    crossing, vehicle, n = run.crossing, run.crossing.linear, run.crossing.n_vehicle
+    gain, per_state, constant = crossing.rows(cells.nodes)
     spring = gain * vehicle.tire_stiffnesses
-    from_states = np.zeros((len(starts), cells.n_states))
-    from_states[:, : crossing.n_vehicle] = spring @ vehicle.hubs
-    deflections = np.einsum("ck,ckj->cj", spring, crossing.tire_shapes(starts))
-    from_states[:, crossing.n_vehicle :] = row
-    from_states[:, crossing.n_vehicle :: 2] -= deflections
-    from_road = np.zeros((len(starts), 2 * vehicle.n_tires + 1))
-    from_road[:, : vehicle.n_tires] = -spring
-    from_road[:, vehicle.n_tires] = gain @ vehicle.static_loads
-    return from_states, from_road
+    deflections = np.einsum("ck,ckj->cj", spring, crossing.tire_shapes(cells.nodes))
+    rows = np.zeros((len(cells.nodes), cells.n_states + 2 * vehicle.n_tires + 1))
+    rows[:, : cells.n_states] = per_state
+    rows[:, :n] += spring @ vehicle.hubs
+    rows[:, n : cells.n_states : 2] -= deflections
+    rows[:, cells.n_states : cells.n_states + vehicle.n_tires] = -spring
+    rows[:, cells.n_states + vehicle.n_tires] = gain @ vehicle.static_loads + constant
+    return rows

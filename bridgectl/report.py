@@ -99,16 +99,17 @@ class _Console(Console):
         raise BrokenPipeError
 
 
-def _console() -> Console:
+def make_console() -> Console:
+    """Return where to print: not narrower than the tables are wide."""
     console = _Console(highlight=False, markup=False)
     # Piped tables are not cut to the terminal that is not there.
     return console if console.is_terminal else _Console(highlight=False, markup=False, width=WIDTH)
 
 
-def _table(title: str, columns: Sequence[str], words: Sequence[str] = ()) -> Table:
-    """A table of numbers, but for the columns of `words`."""
+def make_table(title: str, columns: Sequence[str], words: Sequence[str] = ()) -> Table:
+    """Print a title and return a table of numbers, but for the columns of `words`."""
     # The title apart, so that it does not wrap in a narrow table.
-    _console().print(Text(title, style="bold"), soft_wrap=True)
+    make_console().print(Text(title, style="bold"), soft_wrap=True)
     table = Table(box=box.SIMPLE_HEAD)
     for name in columns:
         # A Text, since [m] in plain text would be read as markup.
@@ -119,11 +120,11 @@ def _table(title: str, columns: Sequence[str], words: Sequence[str] = ()) -> Tab
 
 def print_dae(study: DaeStudy) -> None:
     """Print the amplification by speed, the critical speed, and the largest ramps."""
-    surface, console = study.surface, _console()
+    surface, console = study.surface, make_console()
     kmh, critical = surface.speeds * 3.6, study.critical
     console.print(_dae_heading(study))
     columns = ["speed [km/h]", "DAF smooth", "DAE", "superposed DAF", "simulated DAF", "DAE error"]
-    table = _table("Dynamic amplification by speed", columns)
+    table = make_table("Dynamic amplification by speed", columns)
     shown = np.isclose(kmh % SHOWN_KMH, 0, atol=1e-6) | np.isclose(kmh % SHOWN_KMH, SHOWN_KMH)
     shown |= len(kmh) <= 2 * SHOWN_KMH
     for i in range(len(kmh)):
@@ -145,7 +146,7 @@ def print_dae(study: DaeStudy) -> None:
         soft_wrap=True,
     )
     title = f"The {LARGEST} ramps that contribute most at {kmh[critical]:g} km/h"
-    table = _table(title, ["from x [m]", "x / l", "rise [mm]", "contribution to DAE"])
+    table = make_table(title, ["from x [m]", "x / l", "rise [mm]", "contribution to DAE"])
     for x, rise, part in study.largest():
         place = f"{x / surface.beam.length:.3f}"
         table.add_row(f"{x:.1f}", place, f"{rise * 1e3:+.2f}", f"{part:+.5f}")
@@ -193,10 +194,10 @@ def dae_json(study: DaeStudy) -> dict[str, Any]:
 
 def print_profile(tracks: Sequence[TrackMeasures], segment: float) -> None:
     """Print what was measured of every track, and the IRI of its segments."""
-    console = _console()
+    console = make_console()
     columns = ["track", "from [m]", "to [m]", "step [m]", "IRI [m/km]", "", "class",
                "G_d [1e-6 m3]", "waviness"]  # fmt: skip
-    table = _table("Roughness; G_d at 0.1 cycles/m", columns, ["track", "", "class"])
+    table = make_table("Roughness; G_d at 0.1 cycles/m", columns, ["track", "", "class"])
     for track in tracks:
         road, fit = track.road, track.fit
         spectrum = ["-"] * 3
@@ -212,7 +213,7 @@ def print_profile(tracks: Sequence[TrackMeasures], segment: float) -> None:
     if longest.segments.size < 2:
         return
     names = [track.road.name for track in tracks]
-    table = _table(f"IRI [m/km] of each {segment:g} m", ["from [m]", "to [m]", *names])
+    table = make_table(f"IRI [m/km] of each {segment:g} m", ["from [m]", "to [m]", *names])
     for i in range(longest.segments.size):
         start = longest.road.x[0] + i * segment
         cells = [f"{t.segments[i]:.3f}" if i < t.segments.size else "-" for t in tracks]
@@ -254,9 +255,10 @@ def paper_json(results: PaperResults) -> dict[str, Any]:
 
 def print_paper(results: PaperResults) -> None:
     """Print the paper's numbers beside the computed ones, and Fig. 2."""
-    console = _console()
+    console = make_console()
     title = "Li, OBrien and Gonzalez (2006), printed and computed"
-    table = _table(title, ["what", "printed", "computed", "difference", "note"], ["what", "note"])
+    columns = ["what", "printed", "computed", "difference", "note"]
+    table = make_table(title, columns, ["what", "note"])
     for row in results.rows:
         digits = {"km/h": 0, "x/l": 3}.get(row.unit, 5)
         unit = f" {row.unit}" if row.unit else ""
@@ -264,7 +266,7 @@ def print_paper(results: PaperResults) -> None:
         difference = "-" if row.difference is None else f"{row.difference:+.{digits}f}"
         table.add_row(row.what, printed, f"{row.computed:.{digits}f}{unit}", difference, row.note)
     console.print(table)
-    table = _table("Fig. 2: DAF of a smooth road, computed", ["speed [km/h]", "DAF"])
+    table = make_table("Fig. 2: DAF of a smooth road, computed", ["speed [km/h]", "DAF"])
     for kmh, value in results.smooth_daf:
         table.add_row(f"{kmh:g}", f"{value:.5f}")
     console.print(table)

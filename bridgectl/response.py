@@ -16,15 +16,15 @@ from bridgectl.beam import Beam
 from bridgectl.contact import fly
 from bridgectl.crossing import Crossing
 from bridgectl.peaks import find_peaks
-from bridgectl.propagator import SAME_PLACE, merge_places, sample_positions
+from bridgectl.propagator import SAME_PLACE, SAMPLES, merge_places, sample_positions
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
 from bridgectl.simulation import (
     Run,
     at_nodes,
+    effect_samples,
     first_flight,
     lifts_off,
-    moment_samples,
     prepare,
     propagate,
     simulate_reference,
@@ -146,13 +146,16 @@ def daf(
     start: float = 0.0,
     section: float = 0.5,
     recovery: str = "exact",
+    effect: str = "moment",
     method: str = "propagator",
 ) -> FloatArray:
-    """Dynamic amplification factor: the peak moment over the peak static moment.
+    """Dynamic amplification factor: the peak moment, or other effect, over its static peak.
+
+    The peak is that of the crossing of the bridge; the approach is on the way to it.
 
     Parameters
     ----------
-    beam, vehicle, section, recovery
+    beam, vehicle, section, recovery, effect
         See `Crossing`.
     speeds : float or array_like
         Speeds c [m/s].
@@ -181,7 +184,7 @@ def daf(
     array([1.0551, 1.1302])
     """
     c = _checks.speeds(speeds)
-    crossing = Crossing(beam, vehicle, float(c[0]), section, recovery)
+    crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
     _checks.choice("method", method, METHODS)
     run = prepare(crossing, profile, start)
     result = np.empty(c.size)
@@ -189,7 +192,7 @@ def daf(
     if method == "propagator":
         for batch in speed_batches(run, c):
             stretches = propagate(run, c[batch], run.nodes(c[batch].min()))
-            result[batch] = find_peaks(moment_samples(crossing, stretches[-1]).T).values
+            result[batch] = find_peaks(effect_samples(crossing, stretches[-1]).T).values
             linear[batch] = ~lifts_off(crossing, stretches)
     simulate = _flying_peak if method == "propagator" else _reference_peak
     flights = {}
@@ -212,17 +215,22 @@ def daf(
 def _flying_peak(run: Run) -> tuple[float, float | None]:
     """DAF with the tires kept from pulling, and where one first leaves the road."""
     flight = fly(run, run.nodes(run.crossing.speed))
-    peak = find_peaks(flight.moments[:, np.newaxis]).values[0]
-    return float(peak), first_flight(flight.nodes, flight.forces)
+    return _peak(flight.effects, flight.nodes), first_flight(flight.nodes, flight.forces)
 
 
 def _reference_peak(run: Run) -> tuple[float, float | None]:
     """The same by the reference route."""
-    positions = sample_positions(run.nodes(run.crossing.speed))
+    nodes = run.nodes(run.crossing.speed)
+    positions = sample_positions(nodes)
     states, forces = simulate_reference(run, positions)
-    moment = run.crossing.moments(positions, states[run.crossing.n_vehicle :].T, forces.T)
-    peak = find_peaks(moment[:, np.newaxis]).values[0]
-    return float(peak), first_flight(positions, forces)
+    effect = run.crossing.values(positions, states.T, forces.T)
+    return _peak(effect, nodes), first_flight(positions, forces)
+
+
+def _peak(samples: FloatArray, nodes: FloatArray) -> float:
+    """Peak of an effect on the bridge, from its samples on the approach and the bridge."""
+    entry = int(np.searchsorted(nodes, -SAME_PLACE))
+    return float(find_peaks(samples[len(SAMPLES) * entry :, np.newaxis]).values[0])
 
 
 def _as_response(

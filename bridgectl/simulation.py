@@ -130,17 +130,11 @@ def _through(run: Run, cells: Cells, initial: FloatArray) -> Stretch:
     return Stretch(cells, road, states[..., 0], stages[..., 0])
 
 
-def moment_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
-    """Normalized moment at `sample_positions` of the bridge's cells, (S, n_samples)."""
-    cells, n = bridge.cells, crossing.n_vehicle
-    forces = bridge.stages[..., : bridge.stages.shape[-1] // 2]
-    at_nodes = crossing.moments(
-        cells.nodes, bridge.states[:, :, n:], _node_forces(crossing, bridge)
-    )
-    rows = cells.moment_from_states[:, cells.kind]
-    at_stages = np.einsum("scmi,sci->scm", rows, bridge.states[:, :-1, n:])
-    at_stages += np.einsum("scmq,scq->scm", cells.moment_from_forces, forces)
-    inner = np.concatenate([at_nodes[:, :-1, np.newaxis], at_stages], axis=2)
+def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
+    """The crossing's effect at `sample_positions` of the bridge's cells, (S, n_samples)."""
+    at_nodes = crossing.values(bridge.cells.nodes, bridge.states, _node_forces(crossing, bridge))
+    inner = bridge.cells.inner_effects(bridge.states[:, :-1], bridge.stages)
+    inner = np.concatenate([at_nodes[:, :-1, np.newaxis], inner], axis=2)
     return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
 
 
@@ -192,14 +186,13 @@ def linear_contact(run: Run, speeds: FloatArray) -> NDArray[np.bool_]:
     return contact
 
 
-def reference_moments(run: Run, positions: FloatArray) -> FloatArray:
-    """Normalized moment at positions by the reference path, shape (m,)."""
+def reference_effect(run: Run, positions: FloatArray) -> FloatArray:
+    """The crossing's effect at positions by the reference path, shape (m,)."""
     # The simulation starts on the approach, whatever positions are asked for.
     nodes = merge_places(np.concatenate([run.kinks(), positions]))
     states, forces = simulate_reference(run, nodes)
     keep = np.searchsorted(nodes, positions - SAME_PLACE)
-    beam_states = states[run.crossing.n_vehicle :, keep]
-    return run.crossing.moments(positions, beam_states.T, forces[:, keep].T)
+    return run.crossing.values(positions, states[:, keep].T, forces[:, keep].T)
 
 
 def simulate_reference(run: Run, positions: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -194,7 +194,15 @@ def test_a_bad_argument_is_named(bridge, truck, change, error, says):
 
 
 def test_a_road_that_is_none_or_too_short_is_an_error(paper):
-    with pytest.raises(TypeError, match=r"profile must be a bridgectl\.RoadProfile, got ndarray"):
+    with pytest.raises(TypeError, match="roads must be a RoadProfile, a list of them, or elev"):
+        paper.dae("road.csv")
+    with pytest.raises(ValueError, match=r"elevations at the 251 stations .* got \(250,\)"):
         paper.dae(np.zeros(250))
+    with pytest.raises(ValueError, match=r"elevations at the 251 stations .* got \(2, 2, 251\)"):
+        paper.superposed_daf(np.zeros((2, 2, 251)))
+    with pytest.raises(ValueError, match="roads must be finite"):
+        paper.dae(np.full(251, np.nan))
+    with pytest.raises(ValueError, match="road must be one road, got 2"):
+        paper.contributions(np.zeros((2, 251)))
     with pytest.raises(ValueError, match="0 m to 20 m"):
         paper.superposed_daf(bc.RoadProfile([0, 20], [0, 0]))

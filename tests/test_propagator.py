@@ -6,8 +6,8 @@ from helpers import random_case, rough_road
 
 import bridgectl as bc
 from bridgectl import propagator
-from bridgectl.propagator import cell_nodes, kink_positions, merge_places, sample_positions
-from bridgectl.simulation import moment_samples, prepare, propagate
+from bridgectl.propagator import SAMPLES, cell_nodes, kink_positions, merge_places, sample_positions
+from bridgectl.simulation import effect_samples, prepare, propagate
 
 
 def moments(case, refine):
@@ -15,7 +15,7 @@ def moments(case, refine):
     run = prepare(crossing, case["profile"], case["start"])
     nodes = run.nodes(case["speed"], refine)
     bridge = propagate(run, np.array([case["speed"]]), nodes)[-1]
-    return moment_samples(crossing, bridge)[0, :: 4 * refine]
+    return effect_samples(crossing, bridge)[0, :: len(SAMPLES) * refine]
 
 
 @pytest.mark.parametrize("seed", range(30, 50))
@@ -62,7 +62,7 @@ def test_slow_or_stiff_crossings_get_short_cells(bridge, truck):
 def test_samples_include_the_nodes(bridge, truck):
     nodes = cell_nodes(bc.Crossing(bridge, truck, 30.0), 30.0, np.array([0.0, 25.0]))
     positions = sample_positions(nodes)
-    assert positions[::4] == pytest.approx(nodes)
+    assert positions[:: len(SAMPLES)] == pytest.approx(nodes)
     assert np.all(np.diff(positions) > 0)
 
 

@@ -6,6 +6,7 @@ The functions return axes or figures and leave `matplotlib.pyplot` alone: save w
 
 from .bridge import dae_figure, paper_figure, smooth_daf_plot, surface_plot
 from .roads import pair_figure, profile_figure, psd_plot
+from .validation import validation_figure
 
 __all__ = [
     "dae_figure",
@@ -15,4 +16,5 @@ __all__ = [
     "psd_plot",
     "smooth_daf_plot",
     "surface_plot",
+    "validation_figure",
 ]

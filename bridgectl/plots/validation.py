@@ -1,0 +1,175 @@
+"""The figure of the validation: Figs. 8, 9 and 11 of the paper, for all roads and bridges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator, MultipleLocator
+
+from bridgectl.road import RoadProfile
+from bridgectl.validation import PEAK_TOLERANCE, Case, ValidationResults
+
+from .style import (
+    BLACK,
+    BRIDGE_TINT,
+    GREY,
+    SKY,
+    SPEED_LABEL,
+    STATION_LABEL,
+    TRACKS,
+    VERMILLION,
+    styled,
+)
+
+ROW, COLUMN, ROAD, FOOT = 1.2, 1.3, 2.3, 3.2
+"""Height of a road's panels, width of a bridge's, width of the elevations, the last row [in]."""
+
+ROUND_OFF = 1e-6
+"""Differences of peaks up to this are drawn as equal."""
+
+
+@styled
+def validation_figure(results: ValidationResults) -> Figure:
+    """Draw DAF and DAE over speed of every road on every bridge, and the peaks of all.
+
+    Parameters
+    ----------
+    results : ValidationResults
+        See `bridgectl.validation.validate`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Figs. 8, 9 and 11.
+
+    Examples
+    --------
+    >>> from bridgectl.plots import validation_figure
+    >>> from bridgectl.validation import validate
+    >>> figure = validation_figure(validate([29.0, 30.0], spans=[25], starts=[0]))
+    >>> len(figure.axes)  # elevation and amplification of eight roads, and the peaks
+    18
+    """
+    groups, n_roads = results.groups, len(results.roads)
+    width = ROAD + COLUMN * max(len(groups), 4)
+    heights = (ROW * n_roads + 0.9, FOOT)
+    figure = Figure(figsize=(width, sum(heights)), layout="constrained")
+    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0]
+    widths = (ROAD, *[(width - ROAD) / len(groups)] * len(groups))
+    panels = above.subplots(n_roads, 1 + len(groups), sharex="col", squeeze=False,
+                            width_ratios=widths)  # fmt: skip
+    longest = max(span for span, _ in groups)
+    for row, road in zip(panels, results.roads, strict=True):
+        _draw_road(row[0], road, max(approach for _, approach in groups), longest)
+    for column, ((span, approach), cases) in enumerate(groups.items(), 1):
+        for row, case in zip(panels, cases, strict=True):
+            _draw_case(row[column], case)
+        panels[0, column].set_title(f"{span:g} m bridge,\n{_start(approach)}")
+    for row in panels:
+        _share_heights(row[1:])
+        row[1].set_ylabel("DAF [-]")
+    panels[-1, 0].set_xlabel(STATION_LABEL)
+    for panel in panels[-1, 1:]:
+        panel.set_xlabel(SPEED_LABEL)
+    lines = {line.get_label(): line for line in panels[0, 1].lines}
+    above.legend(lines.values(), lines.keys(), loc="outside upper right", ncols=len(lines))
+    peaks, differences = below.subplots(1, 2, width_ratios=(1, 1.4))
+    _draw_peaks(peaks, results)
+    _draw_differences(differences, results)
+    return figure
+
+
+def _draw_road(ax: Axes, road: RoadProfile, approach: float, span: float) -> None:
+    """Elevation of a road, with the longest bridge."""
+    shown = (road.x >= -approach - 1e-9) & (road.x <= span + 1e-9)
+    ax.axvspan(0, span, color=BRIDGE_TINT, zorder=0)
+    ax.plot(road.x[shown], 1e3 * road.elevation[shown], color=BLACK, lw=0.9)
+    ax.set_title(road.name, fontsize=9.5, parse_math=False)
+    ax.set_ylabel("z [mm]")
+    ax.margins(x=0.01)
+    ax.yaxis.set_major_locator(MaxNLocator(3))
+
+
+def _draw_case(ax: Axes, case: Case) -> None:
+    order = np.argsort(case.speeds)
+    kmh = case.speeds[order] * 3.6
+    marker = "o" if len(kmh) < 15 else ""
+    ax.plot(kmh, case.superposed[order], color=SKY, lw=4.0, label="superposed DAF")
+    ax.plot(kmh, case.simulated[order], color=BLACK, lw=1.1, label="simulated DAF",
+            marker=marker, ms=2.5)  # fmt: skip
+    ax.plot(kmh, case.dae[order], "--", color=VERMILLION, lw=1.4, label="DAE",
+            marker=marker, ms=2.5)  # fmt: skip
+    for speed in case.speeds[case.flying] * 3.6:
+        ax.axvline(speed, color=GREY, lw=2.0, alpha=0.3, zorder=0)
+    ax.xaxis.set_major_locator(MultipleLocator(50) if np.ptp(kmh) > 60 else MaxNLocator(3))
+    ax.yaxis.set_major_locator(MaxNLocator(4))
+    ax.margins(x=0.02, y=0.08)
+
+
+def _start(approach: float) -> str:
+    return f"from {0.0 - approach:g} m"
+
+
+def _share_heights(panels: Sequence[Axes]) -> None:
+    """One scale for a road on all bridges, with numbers at the first only."""
+    limits = [panel.get_ylim() for panel in panels]
+    for panel in panels:
+        panel.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
+        panel.tick_params(labelleft=panel is panels[0])
+
+
+def _look(case: Case, results: ValidationResults) -> dict[str, object]:
+    """One colour for each span, open markers for a start at rest."""
+    spans = list(dict.fromkeys(span for span, _ in results.groups))
+    color = TRACKS[spans.index(case.span) % len(TRACKS)]
+    face = color if case.approach else "white"
+    return {"marker": "o", "ms": 5.5, "ls": "", "color": color, "mfc": face, "mew": 1.3}
+
+
+def _draw_peaks(ax: Axes, results: ValidationResults) -> None:
+    """Peak DAE over peak DAF of every case, beside the line of equal ones."""
+    peaks = np.array([(case.daf_peak.value, case.dae_peak.value) for case in results.cases])
+    low, high = peaks.min(), peaks.max()
+    ends = np.array([low, high]) + max(0.04 * (high - low), 0.005) * np.array([-1, 1])
+    ax.plot(ends, ends, color=GREY, lw=1.0, label="equal")
+    for case, (daf, dae) in zip(results.cases, peaks, strict=True):
+        ax.plot(daf, dae, **_look(case, results))  # type: ignore[arg-type]
+    ax.set(
+        xlim=ends, ylim=ends, aspect="equal", xlabel="peak DAF [-]", ylabel="peak DAE [-]",
+        title=f"peaks over the speeds of {len(peaks)} cases",
+    )  # fmt: skip
+    worst = results.worst_peak
+    if abs(worst.peak_difference) > PEAK_TOLERANCE:
+        ax.annotate(
+            f"road {worst.road}", (worst.daf_peak.value, worst.dae_peak.value), (0, 7),
+            textcoords="offset points", ha="center",
+        )  # fmt: skip
+
+
+def _draw_differences(ax: Axes, results: ValidationResults) -> None:
+    """Size of the difference of the peaks, road by road."""
+    groups = list(results.groups)
+    for case in results.cases:
+        shift = (groups.index((case.span, case.approach)) - (len(groups) - 1) / 2) * 0.11
+        size = max(abs(case.peak_difference), ROUND_OFF)
+        ax.plot(case.road + shift, size, clip_on=False, **_look(case, results))  # type: ignore[arg-type]
+    label = f"bound of the median, {PEAK_TOLERANCE:g}"
+    handles = [ax.axhline(PEAK_TOLERANCE, color=GREY, ls="--", lw=1.2, label=label)]
+    ax.set(
+        yscale="log", ylim=(ROUND_OFF, 1), xlim=(0.5, len(results.roads) + 0.5), xlabel="road",
+        ylabel="|peak DAE - peak DAF| [-]",
+        title=f"differences of the peaks; at the foot: {ROUND_OFF:.0e} and less",
+    )  # fmt: skip
+    ax.set_xticks(range(1, len(results.roads) + 1))
+    ax.grid(axis="x", visible=False)
+    for span, approach in groups:
+        look = _look(results.groups[span, approach][0], results)
+        handles.append(Line2D([], [], label=f"{span:g} m bridge, {_start(approach)}", **look))  # type: ignore[arg-type]
+    ax.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0))
