@@ -24,6 +24,9 @@ from bridgectl.simulation import Run, speed_batches
 
 ALL = slice(None)
 
+BATCH_BYTES = 16e6
+"""Memory of the maps of the speeds treated at once: as much again goes into their products."""
+
 
 class Histories(Protocol):
     """Moment histories of a smooth road and of ramps, which superpose."""
@@ -217,7 +220,7 @@ def factor_histories(
     rises = _block_rises(place.reshape(n_blocks, per_block, -1), share, local.shape[1] + 1)
 
     parts = []
-    for batch in speed_batches(run, speeds):
+    for batch in speed_batches(run, speeds, BATCH_BYTES):
         cells = build_cells(run.crossing, speeds[batch], nodes, on_bridge=True)
         arrived = _entry_states(run, speeds[batch], ramp_length, n_ramps)
         parts.append(_factor_blocks(run, cells, rises, arrived))

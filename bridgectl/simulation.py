@@ -101,12 +101,12 @@ def prepare(
     return Run(crossing, start, crossing.exit + after, profile)
 
 
-def speed_batches(run: Run, speeds: FloatArray) -> Iterator[slice]:
+def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> Iterator[slice]:
     """Slices of the speeds whose maps fit in memory together."""
     crossing, stages = run.crossing, 2 * N_STAGES * run.crossing.linear.n_tires
     cells = len(run.nodes(float(speeds.min())))
     bytes_per_speed = 8 * cells * stages * (4 * crossing.n_states + stages)
-    size = max(1, int(BATCH_BYTES / bytes_per_speed))
+    size = max(1, int(memory / bytes_per_speed))
     return (slice(i, i + size) for i in range(0, len(speeds), size))
 
 

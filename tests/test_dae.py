@@ -120,6 +120,24 @@ def test_superposition_is_exact_for_extreme_vehicles_too(bridge, truck, vehicle)
     assert surface.superposed_daf(road) == pytest.approx(simulated, abs=1e-6)
 
 
+@pytest.mark.parametrize("approach", [0.03, 7.77, 100.0, 400.0])
+def test_ramps_on_the_approach_of_several_tires_superpose_wherever_they_lie(bridge, truck, approach):
+    """Tires 3.33 m apart stand within ramps as the first one reaches the bridge."""
+    convoy = bc.convoy([truck, truck, truck], [0, 3.33, 4.7])
+    surface = bc.ramp_surface(bridge, convoy, [20.0, 33.0], approach=approach)
+    road = surface.road(np.random.default_rng(1).normal(0, 3e-4, len(surface.positions)))
+    simulated = bc.daf(bridge, convoy, surface.speeds, road, start=-approach)
+    assert surface.superposed_daf(road) == pytest.approx(simulated, abs=1e-6)
+
+
+def test_a_beam_of_many_modes_superposes_too(truck):
+    beam = bc.li2006.beam(n_modes=9, damping_ratio=0.01)
+    surface = bc.ramp_surface(beam, truck, 30.0, approach=30)
+    road = rough_road(2, -30, 25)
+    simulated = bc.daf(beam, truck, 30.0, road, start=-30)
+    assert surface.superposed_daf(road) == pytest.approx(simulated, abs=1e-6)
+
+
 def test_ramps_scale_and_add(bridge, truck):
     """Homogeneity and additivity of the histories, which python-control's defaults break."""
     surface = bc.ramp_surface(bridge, truck, SPEED, ramp_length=1.0)

@@ -7,6 +7,7 @@ from bridgectl.extremes import equal_roughness_pair
 from bridgectl.paper import paper_results
 from bridgectl.plots import (
     dae_figure,
+    lines_plot,
     pair_figure,
     paper_figure,
     profile_figure,
@@ -92,6 +93,17 @@ def test_a_dollar_sign_in_a_roads_name_is_no_formula(bridge, truck, tmp_path):
 def test_a_place_that_changes_nothing_has_the_middle_colour(surface):
     bar = surface_plot(surface, difference=True).figure.axes[1]
     assert 0.0 in bar.get_yticks()
+
+
+@pytest.mark.parametrize("difference", [True, False])
+def test_cuts_through_a_surface_are_its_rows(surface, difference):
+    axes = lines_plot(surface, [61 / 3.6, 99 / 3.6], difference=difference)
+    values = surface.daf_difference if difference else surface.daf_unit
+    assert [line.get_label() for line in axes.lines] == ["60 km/h", "100 km/h"]
+    for line, row in zip(axes.lines, values[[0, 2]], strict=True):
+        assert line.get_ydata() == pytest.approx(row)
+        assert line.get_xdata() == pytest.approx(surface.positions / 25)
+    assert axes.get_xlabel() == "start of the ramp, x/l [-]"
 
 
 def test_the_spectrum_is_drawn_with_its_line_and_the_classes(truck):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,7 @@ from .style import (
     SKY,
     SPEED_LABEL,
     STATION_LABEL,
+    TRACKS,
     VERMILLION,
     new_axes,
     styled,
@@ -37,6 +39,9 @@ from .style import (
 
 MARKED = 10
 """How many of the largest contributions are marked."""
+
+N_LINES = 5
+"""Lines of a plot that is not told its speeds."""
 
 FEW = 15
 """Curves of fewer points than this show them."""
@@ -186,6 +191,52 @@ def surface_plot(surface: RampSurface, *, difference: bool = False, ax: Axes | N
     label = "change of the DAF [-]" if difference else "DAF [-]"
     ax.figure.colorbar(filled, ax=ax, label=label, ticks=ticks, pad=0.02)
     ax.set(xlabel=PLACE_LABEL, ylabel=SPEED_LABEL)
+    return ax
+
+
+@styled
+def lines_plot(
+    surface: RampSurface,
+    speeds: ArrayLike | None = None,
+    *,
+    difference: bool = False,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the DAF of a ramp over its place, one line a speed: cuts through Figs. 5 and 6.
+
+    Parameters
+    ----------
+    surface : RampSurface
+        The ramp surface of bridge and vehicle.
+    speeds : array_like, optional
+        Speeds [m/s], of which the surface's nearest are drawn; five across its range if omitted.
+    difference : bool, optional
+        Draw what the ramp changes, DAF_unit - DAF_smooth, in place of DAF_unit itself.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure if omitted.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.plots import lines_plot
+    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
+    >>> [line.get_label() for line in lines_plot(surface).lines]
+    ['90 km/h', '108 km/h']
+    """
+    ax = new_axes(ax)
+    ends = surface.speeds.min(), surface.speeds.max()
+    wanted = np.linspace(*ends, N_LINES) if speeds is None else np.atleast_1d(np.asarray(speeds))
+    nearest = np.unique(np.abs(surface.speeds - wanted[:, np.newaxis]).argmin(axis=1))
+    values = surface.daf_difference if difference else surface.daf_unit
+    for i, color in zip(nearest, cycle(TRACKS), strict=False):
+        label = f"{surface.speeds[i] * 3.6:.4g} km/h"
+        ax.plot(surface.positions / surface.beam.length, values[i], color=color, label=label)
+    ax.set(xlabel=PLACE_LABEL, ylabel="change of the DAF [-]" if difference else "DAF [-]")
+    ax.legend()
     return ax
 
 
