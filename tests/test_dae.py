@@ -121,7 +121,7 @@ def test_superposition_is_exact_for_extreme_vehicles_too(bridge, truck, vehicle)
 
 
 @pytest.mark.parametrize("approach", [0.03, 7.77, 100.0, 400.0])
-def test_ramps_on_the_approach_of_several_tires_superpose_wherever_they_lie(bridge, truck, approach):
+def test_ramps_before_a_bridge_superpose_for_several_tires(bridge, truck, approach):
     """Tires 3.33 m apart stand within ramps as the first one reaches the bridge."""
     convoy = bc.convoy([truck, truck, truck], [0, 3.33, 4.7])
     surface = bc.ramp_surface(bridge, convoy, [20.0, 33.0], approach=approach)
