@@ -22,6 +22,9 @@ array([0.975, 1.014, 1.041])
 array([0.89 , 1.007, 1.039])
 """
 
+from importlib import import_module
+from types import ModuleType
+
 from bridgectl import li2006
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing, crossing_system
@@ -43,6 +46,14 @@ from bridgectl.trust import DaeTrust, dae_trust
 from bridgectl.vehicle import Vehicle
 
 __version__ = "0.1.0"
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Load what is heavy when it is first used: the dampers bring CasADi."""
+    if name in ("dampers", "extremes", "plots"):
+        return import_module(f"bridgectl.{name}")
+    raise AttributeError(f"module 'bridgectl' has no attribute {name!r}")
+
 
 __all__ = [
     "Beam",

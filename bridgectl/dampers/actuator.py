@@ -1,0 +1,66 @@
+"""The damper that a strategy commands: range, force limit, lag, sampling and noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bridgectl import _checks as check
+
+from .strategy import Strategy
+
+
+@dataclass(frozen=True)
+class Damper:
+    """A semi-active damper and the strategy in its controller.
+
+    The controller samples its signals, computes c and holds it; the damper follows with a
+    first-order lag *on c*, so that its force c (y_s' - y_t') never drives the suspension.
+
+    Parameters
+    ----------
+    strategy : Strategy
+        Commands c within its bounds.
+    sample_time : float, optional
+        Time between samples [s].
+    lag : float, optional
+        Time constant of c [s]; 0 for none.
+    max_force : float, optional
+        Largest force [N], either way.
+    velocity_noise : float, optional
+        Standard deviation of white noise on the measured velocities [m/s].
+    seed : int, optional
+        Seed of the noise.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not what is described above.
+
+    Examples
+    --------
+    >>> from bridgectl.dampers import Damper, skyhook
+    >>> Damper(skyhook(1e3, 30e3), lag=0.01).sample_time
+    0.002
+    """
+
+    strategy: Strategy
+    sample_time: float = 2e-3
+    lag: float = 0.0
+    max_force: float = np.inf
+    velocity_noise: float = 0.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.strategy, Strategy):
+            raise TypeError(
+                f"strategy must be a Strategy, got {type(self.strategy).__name__}: type for "
+                "example bridgectl.dampers.skyhook(1e3, 30e3)"
+            )
+        check.positive("sample_time", self.sample_time, unit="s")
+        check.not_negative("lag", self.lag, unit="s")
+        if not self.max_force > 0:
+            raise ValueError(f"max_force must be above 0 [N], got {self.max_force}")
+        check.not_negative("velocity_noise", self.velocity_noise, unit="m/s")
+        check.integer("seed", self.seed, at_least=0)

@@ -1,0 +1,235 @@
+"""Strategies of the literature, each as one CasADi expression.
+
+Signs as in the crossing: displacements positive downward, suspension velocity v = y_s' - y_t'. A
+stiff damper then pulls the body against v. The on-off laws keep the last word to `dead_band`: below
+that suspension velocity the force is small either way, and the command is the soft one.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from bridgectl import _checks as check
+
+from .strategy import Strategy
+
+DEAD_BAND = 1e-4
+"""Suspension velocity [m/s] below which on-off laws stay soft: 3 N at 30 kN s/m."""
+
+SH_ADD_CROSSOVER = 2 * np.pi * 0.643
+"""Rate [rad/s] where skyhook and ADD are equally good on the paper's truck: its first
+damping-invariant frequency of body acceleration."""
+
+
+def passive(damping: float, name: str = "") -> Strategy:
+    """Return a constant damper, c = `damping` [N s/m].
+
+    Examples
+    --------
+    >>> from bridgectl.dampers import passive
+    >>> passive(7e3)
+    Strategy('passive 7 kN s/m', c from 7000 to 7000 N s/m)
+    """
+    c = check.positive("damping", damping, unit="N s/m")
+    return Strategy(name or f"passive {c / 1e3:g} kN s/m", lambda s, g: g.c_max + 0 * s.speed, c, c)
+
+
+def skyhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy:
+    """Return the on-off skyhook: c_max where y_s' v > 0, c_min elsewhere.
+
+    Parameters
+    ----------
+    c_min, c_max : float
+        Bounds of the damping [N s/m].
+    dead_band : float, optional
+        Suspension velocity [m/s] below which the command is c_min.
+
+    References
+    ----------
+    D. Karnopp, M. J. Crosby, R. A. Harwood, J. Eng. Ind. 96 (1974) 619-626.
+
+    Examples
+    --------
+    >>> from bridgectl.dampers import skyhook
+    >>> law = skyhook(1e3, 30e3)
+    >>> law.command(body_velocity=[0.1, -0.1, 0.1], suspension_velocity=[0.2, 0.2, 0.0])
+    array([30000.,  1000.,  1000.])
+    """
+    return _on_off("skyhook", lambda s, g: s.body_velocity, c_min, c_max, dead_band)
+
+
+def continuous_skyhook(
+    c_min: float, c_max: float, *, gain: float = 30e3, dead_band: float = DEAD_BAND
+) -> Strategy:
+    """Return the clipped skyhook: c = gain y_s' / v where y_s' v > 0, c_min elsewhere.
+
+    `gain` is the damping [N s/m] to the sky.
+
+    References
+    ----------
+    D. Karnopp, M. J. Crosby, R. A. Harwood, J. Eng. Ind. 96 (1974) 619-626.
+
+    Examples
+    --------
+    >>> from bridgectl.dampers import continuous_skyhook
+    >>> continuous_skyhook(1e3, 30e3, gain=10e3).command(
+    ...     body_velocity=[0.1, -0.1], suspension_velocity=[0.2, 0.2])
+    array([5000., 1000.])
+    """
+
+    def law(s: Any, g: Any) -> Any:
+        v = s.suspension_velocity
+        still = ca.fabs(v) <= g.dead_band
+        share = s.body_velocity / ca.if_else(still, 1.0, v)
+        return ca.if_else(still, g.c_min, ca.if_else(share > 0, g.gain * share, g.c_min))
+
+    gains = {"gain": (gain, 0.0, 1e6), "dead_band": (dead_band, 0.0, 1.0)}
+    return Strategy("continuous skyhook", law, c_min, c_max, gains)
+
+
+def groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy:
+    """Return the inertial on-off groundhook: c_max where -y_t' v > 0, c_min elsewhere.
+
+    It holds the axle against the ground as the skyhook holds the body against the sky. Valasek's
+    meaning, the axle against the surface that the tire meets, needs that surface's velocity.
+
+    References
+    ----------
+    M. Valasek, M. Novak, Z. Sika, O. Vaculin, Veh. Syst. Dyn. 27 (1997) 289-303.
+
+    Examples
+    --------
+    >>> from bridgectl.dampers import groundhook
+    >>> groundhook(1e3, 30e3).command(axle_velocity=[0.1, -0.1], suspension_velocity=[0.2, 0.2])
+    array([ 1000., 30000.])
+    """
+    return _on_off("groundhook", lambda s, g: -s.axle_velocity, c_min, c_max, dead_band)
+
+
+def hybrid(
+    c_min: float, c_max: float, *, share: float = 0.5, gain: float = 30e3,
+    dead_band: float = DEAD_BAND,
+) -> Strategy:  # fmt: skip
+    """Return a mix of skyhook (`share`) and groundhook (1 - `share`).
+
+    F = gain [share y_s' where y_s' v > 0, minus (1 - share) y_t' where -y_t' v > 0]; c = F / v.
+
+    References
+    ----------
+    M. Ahmadian, Veh. Syst. Dyn. 28 (1997), on hybrid semi-active control.
+
+    Examples
+    --------
+    >>> from bridgectl.dampers import hybrid
+    >>> hybrid(1e3, 30e3, gain=10e3).command(
+    ...     body_velocity=0.1, axle_velocity=-0.1, suspension_velocity=0.2)
+    array(5000.)
+    """
+
+    def law(s: Any, g: Any) -> Any:
+        v = s.suspension_velocity
+        still = ca.fabs(v) <= g.dead_band
+        sky = ca.if_else(s.body_velocity * v > 0, s.body_velocity, 0)
+        ground = ca.if_else(-s.axle_velocity * v > 0, -s.axle_velocity, 0)
+        force = g.gain * (g.share * sky + (1 - g.share) * ground)
+        return ca.if_else(still, g.c_min, force / ca.if_else(still, 1.0, v))
+
+    gains = {
+        "share": (share, 0.0, 1.0), "gain": (gain, 0.0, 1e6), "dead_band": (dead_band, 0.0, 1.0)
+    }  # fmt: skip
+    return Strategy("hybrid", law, c_min, c_max, gains)
+
+
+def add(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy:
+    """Return acceleration-driven damping: c_max where y_s'' v > 0, c_min elsewhere.
+
+    References
+    ----------
+    S. M. Savaresi, E. Silani, S. Bittanti, J. Dyn. Syst. Meas. Control 127 (2005) 218-229.
+
+    Examples
+    --------
+    >>> from bridgectl.dampers import add
+    >>> add(1e3, 30e3).command(body_acceleration=[1.0, -1.0], suspension_velocity=[0.2, 0.2])
+    array([30000.,  1000.])
+    """
+    return _on_off("ADD", lambda s, g: s.body_acceleration, c_min, c_max, dead_band)
+
+
+def sh_add(
+    c_min: float, c_max: float, *, crossover: float = SH_ADD_CROSSOVER,
+    dead_band: float = DEAD_BAND,
+) -> Strategy:  # fmt: skip
+    """Return the mix of skyhook and ADD: skyhook while y_s''^2 <= (crossover y_s')^2, else ADD.
+
+    `crossover` [rad/s] parts slow body motion, the skyhook's, from fast.
+
+    References
+    ----------
+    S. M. Savaresi, C. Spelta, J. Dyn. Syst. Meas. Control 129 (2007) 382-391.
+
+    Examples
+    --------
+    >>> from bridgectl.dampers import sh_add
+    >>> sh_add(1e3, 30e3).command(
+    ...     body_velocity=[0.1, 0.1], body_acceleration=[-0.1, -10.0], suspension_velocity=0.2)
+    array([30000.,  1000.])
+    """
+
+    def driver(s: Any, g: Any) -> Any:
+        slow = s.body_acceleration**2 <= (g.crossover * s.body_velocity) ** 2
+        return ca.if_else(slow, s.body_velocity, s.body_acceleration)
+
+    gains = {"crossover": (crossover, 0.0, 1e3)}
+    return _on_off("SH-ADD", driver, c_min, c_max, dead_band, gains)
+
+
+def pdd(c_min: float, c_max: float, *, stiffness: float, dead_band: float = DEAD_BAND) -> Strategy:
+    """Return power-driven damping: keep spring and damper together from driving the body.
+
+    With travel d: c_min where K_s d v + c_min v^2 >= 0, c_max where K_s d v + c_max v^2 < 0, and
+    -K_s d / v between. `stiffness` is K_s [N/m].
+
+    References
+    ----------
+    R. Morselli, R. Zanasi, Mechatronics 18 (2008) 364-377.
+
+    Examples
+    --------
+    >>> from bridgectl.dampers import pdd
+    >>> law = pdd(1e3, 30e3, stiffness=80e3)
+    >>> law.command(suspension_travel=[0.01, -0.01, -0.1], suspension_velocity=[0.1, 0.1, 0.1])
+    array([ 1000.,  8000., 30000.])
+    """
+
+    def law(s: Any, g: Any) -> Any:
+        v = s.suspension_velocity
+        still = ca.fabs(v) <= g.dead_band
+        # Within [c_min, c_max] this is all three cases.
+        return ca.if_else(
+            still, g.c_min, -g.stiffness * s.suspension_travel / ca.if_else(still, 1.0, v)
+        )
+
+    gains = {
+        "stiffness": (stiffness, 0.0, 1e9), "dead_band": (dead_band, 0.0, 1.0)
+    }  # fmt: skip
+    return Strategy("PDD", law, c_min, c_max, gains)
+
+
+def _on_off(
+    name: str, driver: Any, c_min: float, c_max: float, dead_band: float,
+    gains: dict[str, tuple[float, float, float]] | None = None,
+) -> Strategy:  # fmt: skip
+    """Stiff where driver v > 0 and v is beyond the dead band."""
+
+    def law(s: Any, g: Any) -> Any:
+        v = s.suspension_velocity
+        return ca.if_else(
+            ca.logic_and(driver(s, g) * v > 0, ca.fabs(v) > g.dead_band), g.c_max, g.c_min
+        )
+
+    bounds = {**(gains or {}), "dead_band": (dead_band, 0.0, 1.0)}
+    return Strategy(name, law, c_min, c_max, bounds)

@@ -1,0 +1,299 @@
+"""A semi-active damper strategy: one CasADi expression from measured signals to a damping.
+
+The command is a damping coefficient c within [c_min, c_max], never a force, so that the damper can
+only take energy out. The one expression serves batch simulation, `control.interconnect`,
+differentiation and C export.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import casadi as ca
+import control
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
+
+SIGNALS = (
+    "body_velocity",
+    "axle_velocity",
+    "suspension_travel",
+    "suspension_velocity",
+    "body_acceleration",
+    "axle_acceleration",
+    "tire_force",
+    "position",
+    "speed",
+)
+"""What a strategy may measure: m/s, m/s, m, m/s, m/s^2, m/s^2, N, m from the bridge's start, m/s.
+
+Displacements are positive downward, the suspension's are body minus axle, as in the crossing.
+"""
+
+LARGEST = 1e12
+"""A command [N s/m] beyond it is no number of a damper but a division by zero."""
+
+CROSSING_OUTPUTS = {
+    "body_velocity": "y_s_dot",
+    "axle_velocity": "y_t_dot",
+    "suspension_travel": "suspension_travel",
+    "suspension_velocity": "suspension_velocity",
+    "body_acceleration": "y_s_ddot",
+    "axle_acceleration": "y_t_ddot",
+    "tire_force": "tire_force",
+}
+"""Outputs of `bridgectl.crossing_system` that the measured signals are."""
+
+Law = Callable[[Any, Any], Any]
+"""From signals and gains, by name as attributes, to the command c [N s/m], in CasADi operations."""
+
+
+class Strategy:
+    """A damper strategy.
+
+    Write your own in five lines: a function of named signals and named gains, in CasADi
+    operations.
+
+    Parameters
+    ----------
+    name : str
+        What tables call it.
+    law : callable
+        ``law(s, g)`` returns the command c [N s/m]. ``s`` has the signals of
+        `bridgectl.dampers.SIGNALS` as attributes, ``g`` the gains, and ``c_min``, ``c_max``. What
+        it returns is kept within [c_min, c_max].
+    c_min, c_max : float
+        Bounds of the damping [N s/m].
+    gains : mapping, optional
+        Value, least and largest value of each gain by name, as ``{"share": (0.5, 0.0, 1.0)}``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a bound, a gain or the law is not what is described above: bounds reversed, a gain
+        outside its bounds, a signal or gain that the law names and that is unknown.
+
+    Examples
+    --------
+    A damper that is stiff while the body moves up:
+
+    >>> import casadi as ca
+    >>> from bridgectl.dampers import Strategy
+    >>> def law(s, g):
+    ...     return ca.if_else(s.body_velocity < 0, g.c_max, g.c_min)
+    >>> lifting = Strategy("lifting", law, 1e3, 30e3)
+    >>> lifting
+    Strategy('lifting', c from 1000 to 30000 N s/m)
+    >>> lifting.command(body_velocity=[-0.1, 0.1])
+    array([30000.,  1000.])
+    """
+
+    def __init__(
+        self,
+        name: str,
+        law: Law,
+        c_min: float,
+        c_max: float,
+        gains: Mapping[str, tuple[float, float, float]] | None = None,
+    ) -> None:
+        if not isinstance(name, str) or not name:
+            raise TypeError(f'name must be a string, got {name!r}: type for example "skyhook"')
+        if not callable(law):
+            raise TypeError(f"law must be a function law(s, g), got {type(law).__name__}")
+        self.name, self.law = name, law
+        self.c_min = check.not_negative("c_min", c_min, unit="N s/m")
+        self.c_max = check.positive("c_max", c_max, unit="N s/m")
+        if self.c_min > self.c_max:
+            raise ValueError(
+                f"c_min must not exceed c_max, got {self.c_min:g} and {self.c_max:g} N s/m: swap "
+                "them"
+            )
+        self.bounds = {key: _gain(key, value) for key, value in (gains or {}).items()}
+        self.gains = {key: value[0] for key, value in self.bounds.items()}
+        _ = self.function  # so that a law that cannot be built speaks here
+
+    def __repr__(self) -> str:
+        gains = "".join(f", {key}={value:g}" for key, value in self.gains.items())
+        return f"Strategy({self.name!r}, c from {self.c_min:g} to {self.c_max:g} N s/m{gains})"
+
+    def with_gains(self, **values: float) -> Strategy:
+        """Return the strategy with other values of some gains.
+
+        Raises
+        ------
+        ValueError
+            If a gain is unknown or outside its bounds.
+        """
+        if unknown := set(values) - set(self.bounds):
+            known = ", ".join(self.bounds) or "none"
+            raise ValueError(f"{self.name} has no gain {sorted(unknown)[0]!r}, its gains: {known}")
+        changed = {
+            key: (values.get(key, value), low, high)
+            for key, (value, low, high) in self.bounds.items()
+        }
+        return type(self)(self.name, self.law, self.c_min, self.c_max, changed)
+
+    def for_speed(self, speed: float) -> Strategy:
+        """Return the law at a speed [m/s]: itself, but for strategies that depend on it."""
+        return self
+
+    @cached_property
+    def function(self) -> ca.Function:
+        """The law as a CasADi function of signals and gains (columns, in their orders)."""
+        signals, gains = ca.SX.sym("s", len(SIGNALS)), ca.SX.sym("g", len(self.gains))
+        named = SimpleNamespace(**dict(zip(SIGNALS, ca.vertsplit(signals), strict=True)))
+        values = dict(zip(self.gains, ca.vertsplit(gains), strict=True)) if self.gains else {}
+        command: Any
+        try:
+            command = self.law(named, SimpleNamespace(c_min=self.c_min, c_max=self.c_max, **values))
+        except AttributeError as error:
+            known = (
+                f"signals: {', '.join(SIGNALS)}; gains: {', '.join(['c_min', 'c_max', *values])}"
+            )
+            raise ValueError(
+                f"the law of {self.name} uses an unknown name ({error}); {known}"
+            ) from None
+        command = ca.SX(command)
+        if command.shape != (1, 1):
+            raise ValueError(f"the law of {self.name} must return one number, got {command.shape}")
+        # fmin and fmax would make a bound of a NaN, or of what a division by 0 gives: that is told.
+        within: Any = ca.fmin(ca.fmax(command, self.c_min), self.c_max)
+        command = ca.if_else(ca.fabs(command) < LARGEST, within, np.nan)
+        return ca.Function("damping", [signals, gains], [command], ["signals", "gains"], ["c"])
+
+    def command(self, **signals: ArrayLike) -> FloatArray:
+        """Evaluate the command [N s/m] for arrays of signals of one shape; others are 0.
+
+        Raises
+        ------
+        ValueError
+            If a signal is unknown, or the law returns NaN.
+        """
+        if unknown := set(signals) - set(SIGNALS):
+            raise ValueError(f"unknown signal {sorted(unknown)[0]!r}, known: {', '.join(SIGNALS)}")
+        arrays: list[Any] = [np.asarray(value, dtype=float) for value in signals.values()]
+        given: Any = np.broadcast_arrays(*arrays)
+        shape = given[0].shape if arrays else ()
+        rows = np.zeros((len(SIGNALS), int(np.prod(shape))))
+        for name, values in zip(signals, given, strict=True):
+            rows[SIGNALS.index(name)] = values.ravel()
+        return self.evaluator(rows.shape[1])(rows).reshape(shape)
+
+    def evaluator(self, count: int) -> Evaluator:
+        """Return what evaluates the command for signals of shape (len(SIGNALS), count), fast."""
+        return Evaluator(self, count)
+
+    def system(self, speed: float) -> control.NonlinearIOSystem:
+        """Return the strategy as an I/O block for `control.interconnect` with a crossing.
+
+        Parameters
+        ----------
+        speed : float
+            Speed c [m/s] of the crossing: position and speed are signals.
+
+        Returns
+        -------
+        control.NonlinearIOSystem
+            Inputs as the crossing's outputs ('y_s_dot', 'suspension_velocity', ...), outputs
+            'damper_force' [N] and 'damping' [N s/m], evaluated without delay. The crossing's own
+            vehicle must have damping 0, and no acceleration or tire force may be measured: those
+            depend on the damper force itself.
+        """
+        velocity = check.positive("speed", speed, unit="m/s")
+        measured = ("body_velocity", "axle_velocity", "suspension_travel", "suspension_velocity")
+        loops = set(self.used) - {*measured, "position", "speed"}
+        if loops:
+            raise ValueError(
+                f"{self.name} measures {sorted(loops)[0]}, which the damper force changes at once: "
+                "simulate it with a sample time"
+            )
+        rate = measured.index("suspension_velocity")
+
+        def output(t: float, x: FloatArray, u: FloatArray, p: dict[str, Any]) -> FloatArray:
+            signals = dict(zip(measured, u, strict=True))
+            c = float(self.command(**signals, position=velocity * t, speed=velocity))
+            return np.array([c * u[rate], c])
+
+        return control.nlsys(
+            None, output, inputs=[CROSSING_OUTPUTS[name] for name in measured],
+            outputs=["damper_force", "damping"], name=self.name,
+        )  # fmt: skip
+
+    @property
+    def used(self) -> list[str]:
+        """Signals that the command depends on."""
+        signals, gains = ca.SX.sym("s", len(SIGNALS)), ca.SX.sym("g", len(self.gains))
+        depends = ca.which_depends(self.function(signals, gains), signals, 1, False)
+        return [name for name, matters in zip(SIGNALS, depends, strict=True) if matters]
+
+    def to_c(self, path: str | Path) -> Path:
+        """Write the law as a C file with the function ``damping(signals, gains) -> c``.
+
+        Parameters
+        ----------
+        path : str or Path
+            A name ending in .c.
+
+        Returns
+        -------
+        Path
+            The file written.
+        """
+        file = Path(path)
+        if file.suffix != ".c":
+            raise ValueError(f"path must end in .c, got {str(path)!r}: type path='damping.c'")
+        generator = ca.CodeGenerator(file.name, {"with_header": False})
+        generator.add(self.function)
+        file.write_text(generator.dump(), encoding="utf-8")
+        return file
+
+
+class Evaluator:
+    """A strategy's command for a fixed number of cases at once, without copies by CasADi."""
+
+    def __init__(self, strategy: Strategy, count: int) -> None:
+        self.name = strategy.name
+        # CasADi keeps the addresses of these arrays, not the arrays.
+        self.signals = np.zeros((count, len(SIGNALS)))
+        self.gains = np.tile(np.array([*strategy.gains.values()]), (count, 1))
+        self.result = np.empty(count)
+        self.mapped = strategy.function.map(count)
+        buffer: Any
+        buffer, self.call = self.mapped.buffer()
+        self.buffer = buffer
+        buffer.set_arg(0, _view(self.signals))
+        if self.gains.size:
+            buffer.set_arg(1, _view(self.gains))
+        buffer.set_res(0, _view(self.result))
+
+    def __call__(self, signals: FloatArray) -> FloatArray:
+        """Return the command [N s/m], shape (count,)."""
+        self.signals[:] = signals.T
+        self.call()
+        if np.isnan(self.result).any():
+            raise ValueError(
+                f"the law of {self.name} returned NaN: guard divisions, for example by "
+                "ca.if_else(ca.fabs(s.suspension_velocity) < 1e-6, ...)"
+            )
+        return self.result.copy()
+
+
+def _view(array: FloatArray) -> Any:
+    flat: Any = array.reshape(-1)
+    return memoryview(flat)
+
+
+def _gain(name: str, value: Any) -> tuple[float, float, float]:
+    if not isinstance(value, tuple | list) or len(value) != 3:
+        raise TypeError(f"gain {name} must be (value, least, largest), got {value!r}")
+    at, low, high = (check.number(f"gain {name}", entry) for entry in value)
+    if not low <= at <= high:
+        raise ValueError(f"gain {name} = {at:g} is outside its bounds, {low:g} to {high:g}")
+    return at, low, high

@@ -1,0 +1,427 @@
+"""Measures of a crossing: what a tire does to the road, and what the ride is like.
+
+Histories are arrays (..., n) of samples evenly spaced in time, any number at once: crossings,
+speeds, tires. Tire forces are whole forces R, static load included.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
+
+CELL = 0.25
+"""Length of a place on the road [m], about that of a tire's contact."""
+
+
+def rms(history: ArrayLike) -> FloatArray:
+    """Return the root mean square of histories.
+
+    Parameters
+    ----------
+    history : array_like, shape (..., n)
+
+    Returns
+    -------
+    float or ndarray, shape (...)
+        In the unit of the history.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the history is not an array of finite numbers with one sample or more.
+
+    Examples
+    --------
+    >>> from bridgectl.measures import rms
+    >>> print(rms([3.0, -4.0, 5.0, 0.0]).round(3))
+    3.536
+    """
+    return np.sqrt(np.mean(histories("history", history) ** 2, axis=-1))
+
+
+def largest(history: ArrayLike) -> FloatArray:
+    """Return the largest absolute value of histories, as of suspension travel.
+
+    Parameters
+    ----------
+    history : array_like, shape (..., n)
+        For suspension travel, y_s - y_t [m] from static equilibrium.
+
+    Returns
+    -------
+    float or ndarray, shape (...)
+        In the unit of the history.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `rms`.
+
+    Examples
+    --------
+    >>> from bridgectl.measures import largest
+    >>> print(largest([0.01, -0.03, 0.02]))
+    0.03
+    """
+    return np.max(np.abs(histories("history", history)), axis=-1)
+
+
+def peak_to_peak(history: ArrayLike) -> FloatArray:
+    """Return the largest less the smallest value of histories: the rattle space of a suspension.
+
+    Parameters
+    ----------
+    history : array_like, shape (..., n)
+        For suspension travel, y_s - y_t [m].
+
+    Returns
+    -------
+    float or ndarray, shape (...)
+        In the unit of the history.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `rms`.
+
+    Examples
+    --------
+    >>> from bridgectl.measures import peak_to_peak
+    >>> print(peak_to_peak([0.01, -0.03, 0.02]))
+    0.05
+    """
+    return np.ptp(histories("history", history), axis=-1)
+
+
+def dynamic_load_coefficient(force: ArrayLike, static_load: ArrayLike) -> FloatArray:
+    """Return the dynamic load coefficient (DLC) of tire forces, std(R) / W.
+
+    The denominator is the static load, not the mean force, which a short crossing does not
+    bring to its long-run value.
+
+    Parameters
+    ----------
+    force : array_like, shape (..., n)
+        Tire forces R [N]; R - W does as well here.
+    static_load : float or array_like
+        W [N], one for all or any shape that broadcasts to the leading axes of `force`.
+
+    Returns
+    -------
+    float or ndarray, shape (...)
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the forces are not finite numbers, or a static load is not above 0 N or of another
+        shape.
+
+    References
+    ----------
+    D. Cebon, Handbook of Vehicle-Road Interaction, Swets & Zeitlinger, 1999.
+    `bridgectl.passive_theory.variances` gives its value for a passive quarter-car.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bridgectl.measures import dynamic_load_coefficient
+    >>> force = 98.1e3 * (1 + 0.1 * np.sin(np.linspace(0, 2 * np.pi, 1001)[:-1]))
+    >>> print(dynamic_load_coefficient(force, 98.1e3).round(4))
+    0.0707
+    """
+    forces = histories("force", force, "N")
+    return np.std(forces, axis=-1) / _loads(static_load, forces)
+
+
+def least_force(force: ArrayLike, static_load: ArrayLike) -> FloatArray:
+    """Return the least tire force of histories over the static load, min R / W.
+
+    At 0 the tire is about to leave the road; below 0, a linear crossing has lost its meaning.
+
+    Parameters
+    ----------
+    force, static_load
+        As `dynamic_load_coefficient`; whole forces R.
+
+    Returns
+    -------
+    float or ndarray, shape (...)
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `dynamic_load_coefficient`.
+
+    Warns
+    -----
+    UserWarning
+        If the forces look like R - W.
+
+    Examples
+    --------
+    >>> from bridgectl.measures import least_force
+    >>> print(least_force([98.1e3, 49.05e3, 120e3], 98.1e3))
+    0.5
+    """
+    return np.min(_relative(force, static_load), axis=-1)
+
+
+def road_stress_factor(force: ArrayLike, static_load: ArrayLike) -> FloatArray:
+    """Return the dynamic road stress factor of tire forces, the mean of (R / W)^4.
+
+    Fatigue of a road grows with the fourth power of the load (Eisenmann). Over a path on which
+    R is normally distributed with mean W, the factor is ``1 + 6 DLC^2 + 3 DLC^4``; here it is
+    the mean along the path itself, as a single crossing is not Gaussian.
+
+    Parameters
+    ----------
+    force, static_load
+        As `dynamic_load_coefficient`; whole forces R.
+
+    Returns
+    -------
+    float or ndarray, shape (...)
+        1 for a constant force.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `dynamic_load_coefficient`.
+
+    Warns
+    -----
+    UserWarning
+        If the forces look like R - W.
+
+    References
+    ----------
+    J. Eisenmann, Strasse und Autobahn 4 (1975); D. Cebon, Vehicle System Dynamics 18 (1989)
+    107-150.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bridgectl.measures import road_stress_factor
+    >>> force = np.random.default_rng(0).normal(98.1e3, 9.81e3, 100_000)  # DLC = 0.1
+    >>> print(road_stress_factor(force, 98.1e3).round(2))
+    1.06
+    """
+    return np.mean(_relative(force, static_load) ** 4, axis=-1)
+
+
+class FourthPower(NamedTuple):
+    """The aggregate fourth power of tire forces at each place of a road."""
+
+    places: FloatArray
+    """Middles of the places [m], shape (n_places,)."""
+    values: FloatArray
+    """Sum of R^4 over sum of W^4 of all tires and crossings there, shape (n_places,)."""
+
+    @property
+    def mean(self) -> float:
+        """Mean over the places: the road stress factor of all crossings together."""
+        return float(np.mean(self.values))
+
+    def percentile(self, q: float = 95.0) -> float:
+        """Value that q % of the places stay below: 95 % of the road, where it fails first."""
+        share = check.number("q", q, unit="%")
+        if not 0 <= share <= 100:
+            raise ValueError(f"q must lie between 0 and 100 %, got {share:g}: type 95")
+        return float(np.percentile(self.values, share))
+
+
+def aggregate_fourth_power(
+    force: ArrayLike, static_load: ArrayLike, position: ArrayLike, cell: float = CELL
+) -> FourthPower:
+    """Return the fourth power of all tire forces that each place of a road bears.
+
+    Roads fail at their worst places, and the same trucks load the same places. At each place,
+    R^4 is averaged over the samples of each tire and crossing, then added up over all of them
+    and divided by the same sum for the static loads. One smooth crossing gives 1 everywhere.
+
+    Parameters
+    ----------
+    force : array_like, shape (..., n)
+        Tire forces R [N] of any number of tires, crossings and speeds.
+    static_load : float or array_like
+        As `dynamic_load_coefficient`.
+    position : array_like, shape (n,) or (..., n)
+        Where on the road each tire is [m], rising; for several speeds, one row for each.
+    cell : float
+        Length of a place [m].
+
+    Returns
+    -------
+    FourthPower
+        For the whole multiples of `cell` that every tire runs over; `.mean` and
+        `.percentile(95)` are what is usually reported.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `dynamic_load_coefficient`; if the positions do not rise or fit the forces, if no
+        place is common to all, or if a place has no sample of a tire.
+
+    Warns
+    -----
+    UserWarning
+        If the forces look like R - W.
+
+    References
+    ----------
+    D. Cebon, Vehicle System Dynamics 18 (1989) 107-150.
+
+    Examples
+    --------
+    Two crossings at 20 and 25 m/s that load the road by the same wave, 10 m long:
+
+    >>> import numpy as np
+    >>> from bridgectl.measures import aggregate_fourth_power
+    >>> x = np.array([[20.0], [25.0]]) * np.arange(0, 2, 0.001)
+    >>> damage = aggregate_fourth_power(98.1e3 * (1 + 0.1 * np.sin(2 * np.pi * x / 10)), 98.1e3, x)
+    >>> print(damage.places[:2], round(damage.mean, 3), round(damage.percentile(95), 3))
+    [0.125 0.375] 1.03 1.451
+    """
+    forces = histories("force", force, "N")
+    loads = _loads(static_load, forces)
+    fourth = _relative(forces, loads) ** 4
+    where = _positions(position, forces.shape)
+    width = check.positive("cell", cell, unit="m")
+    first, stop = _common_cells(where, width)
+    means = _cell_means(fourth, np.floor(where / width + 1e-9).astype(int) - first, stop - first)
+    weights = np.broadcast_to(loads, forces.shape[:-1]).reshape(-1) ** 4
+    values = weights @ means / weights.sum()
+    return FourthPower((np.arange(first, stop) + 0.5) * width, values)
+
+
+def switching_count(
+    command: ArrayLike, limits: tuple[float, float], dead_band: float = 0.2
+) -> NDArray[np.intp]:
+    """Count how often a damper's command changes between the soft and the stiff half.
+
+    The command counts as stiff once it rises above the middle of its range by half the dead
+    band, and as soft once it falls as far below: what stays inside the dead band is no change.
+
+    Parameters
+    ----------
+    command : array_like, shape (..., n)
+        Damping coefficients c [N s/m].
+    limits : pair of float
+        c_min and c_max [N s/m], the ends of the range.
+    dead_band : float
+        Width of the dead band around the middle, as a fraction of the range, 0 to below 1.
+
+    Returns
+    -------
+    int or ndarray of int, shape (...)
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the commands are not finite numbers, the limits do not rise or the dead band is not
+        such a fraction.
+
+    Examples
+    --------
+    >>> from bridgectl.measures import switching_count
+    >>> print(switching_count([2e3, 30e3, 15e3, 30e3, 2e3], limits=(2e3, 30e3)))
+    2
+    """
+    low, high = check.array("limits", limits, (2,), unit="N s/m")
+    if not low < high:
+        raise ValueError(f"limits must rise, got {low:g} to {high:g}: type limits=(c_min, c_max)")
+    band = check.not_negative("dead_band", dead_band)
+    if band >= 1:
+        raise ValueError(f"dead_band must be a fraction of the range below 1, got {band:g}")
+    place = (histories("command", command, "N s/m") - (low + high) / 2) / (high - low)
+    half = np.where(place > band / 2, 1, np.where(place < -band / 2, -1, 0))
+    # Inside the dead band the last half holds; before the first, none does.
+    last = np.maximum.accumulate(np.where(half != 0, np.arange(half.shape[-1]), 0), axis=-1)
+    held = np.take_along_axis(half, last, axis=-1)
+    return np.sum(held[..., 1:] * held[..., :-1] < 0, axis=-1)
+
+
+def histories(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
+    """Check an array (..., n) of one sample or more."""
+    try:
+        n_axes = max(1, np.ndim(value))
+    except ValueError:  # rows of different lengths: the check says so
+        n_axes = 1
+    result = check.array(name, value, (None,) * n_axes, unit=unit)
+    if result.shape[-1] == 0:
+        raise ValueError(f"{name} must hold one sample or more, got shape {result.shape}")
+    return result
+
+
+def _loads(static_load: ArrayLike, forces: FloatArray) -> FloatArray:
+    """Check static loads against the leading axes of the forces."""
+    loads = check.array("static_load", static_load, (None,) * np.ndim(static_load), unit="N")
+    if np.any(loads <= 0):
+        raise ValueError(f"static_load must be above 0 N, got {loads[loads <= 0].flat[0]:g}")
+    try:
+        return np.broadcast_to(loads, forces.shape[:-1])
+    except ValueError:
+        raise ValueError(
+            f"static_load must be one load or broadcast to the leading axes of force, "
+            f"{forces.shape[:-1]}, got shape {loads.shape}: type car.linear.static_loads[0] for "
+            "one tire"
+        ) from None
+
+
+def _relative(force: ArrayLike, static_load: ArrayLike) -> FloatArray:
+    """R / W, with a warning where it looks like R / W - 1."""
+    forces = histories("force", force, "N")
+    ratio = forces / _loads(static_load, forces)[..., np.newaxis]
+    lowest = np.min(np.mean(ratio, axis=-1), initial=1.0)
+    if lowest < 0.5:  # the mean force of a stretch carries the vehicle
+        warnings.warn(
+            f"the mean of force is {lowest:.2g} of static_load: is it R - W? Pass R",
+            UserWarning,
+            stacklevel=3,
+        )
+    return ratio
+
+
+def _positions(position: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """Check positions that go with forces of a shape, as rows of one each."""
+    where = histories("position", position, "m")
+    if np.any(np.diff(where, axis=-1) <= 0):
+        raise ValueError("position must rise from sample to sample")
+    try:
+        return np.broadcast_to(where, shape)
+    except ValueError:
+        raise ValueError(
+            f"position must have the shape of force, {shape}, or of one row of it, got "
+            f"{where.shape}"
+        ) from None
+
+
+def _common_cells(where: FloatArray, width: float) -> tuple[int, int]:
+    """First place that every row covers, and the one after the last, in cells from 0 m."""
+    begin, end = where[..., 0].max(), where[..., -1].min()
+    first, stop = int(np.ceil(begin / width - 1e-9)), int(np.floor(end / width + 1e-9))
+    if stop <= first:
+        raise ValueError(
+            f"no place of {width:g} m lies on every tire's way, from {begin:g} m to {end:g} m: "
+            "pass longer histories or a shorter cell"
+        )
+    return first, stop
+
+
+def _cell_means(values: FloatArray, cells: NDArray[np.intp], n_cells: int) -> FloatArray:
+    """Mean of the values in each of the cells 0 to n_cells - 1, shape (rows, n_cells)."""
+    inside = (cells >= 0) & (cells < n_cells)
+    n_rows = values.size // values.shape[-1]
+    rows = np.arange(n_rows).reshape(*values.shape[:-1], 1) * n_cells
+    flat = (rows + cells)[inside]
+    count = np.bincount(flat, minlength=n_rows * n_cells)
+    if not count.all():
+        raise ValueError("cell must hold a sample of every tire at every place: type a longer one")
+    sums = np.bincount(flat, values[inside], minlength=count.size)
+    return (sums / count).reshape(n_rows, n_cells)

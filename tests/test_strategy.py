@@ -1,0 +1,209 @@
+"""Strategies: where each switches, what is refused, and the same law as a block and in C."""
+
+import ctypes
+import shutil
+import subprocess
+
+import casadi as ca
+import control as ct
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import bridgectl as bc
+from bridgectl import dampers
+from bridgectl.dampers import SIGNALS, Damper, Strategy
+
+SOFT, STIFF = 1e3, 30e3
+LAWS = {
+    "passive": dampers.passive(7e3),
+    "skyhook": dampers.skyhook(SOFT, STIFF),
+    "continuous skyhook": dampers.continuous_skyhook(SOFT, STIFF),
+    "groundhook": dampers.groundhook(SOFT, STIFF),
+    "hybrid": dampers.hybrid(SOFT, STIFF),
+    "ADD": dampers.add(SOFT, STIFF),
+    "SH-ADD": dampers.sh_add(SOFT, STIFF),
+    "PDD": dampers.pdd(SOFT, STIFF, stiffness=80e3),
+    "bridgehook": dampers.bridgehook(bc.li2006.beam(), bc.li2006.car(), SOFT, STIFF).for_speed(
+        25.0
+    ),
+}
+finite = st.floats(-10, 10)
+
+
+@pytest.mark.parametrize("name", LAWS)
+@given(values=st.lists(finite, min_size=len(SIGNALS), max_size=len(SIGNALS)))
+def test_every_command_is_within_its_bounds_whatever_is_measured(name, values):
+    law = LAWS[name]
+    c = float(law.command(**dict(zip(SIGNALS, values, strict=True))))
+    assert law.c_min <= c <= law.c_max
+
+
+@pytest.mark.parametrize("name", sorted(set(LAWS) - {"passive", "bridgehook"}))
+def test_without_suspension_velocity_a_law_is_soft(name):
+    assert LAWS[name].command(body_velocity=1.0, axle_velocity=-1.0, body_acceleration=1.0) == SOFT
+
+
+@pytest.mark.parametrize(
+    ("law", "signal", "sign"),
+    [("skyhook", "body_velocity", 1), ("groundhook", "axle_velocity", -1),
+     ("ADD", "body_acceleration", 1)],
+)  # fmt: skip
+def test_an_on_off_law_is_stiff_where_its_signal_and_the_velocity_agree(law, signal, sign):
+    measured, velocity = np.meshgrid([-0.3, 0.3], [-0.2, 0.2])
+    found = LAWS[law].command(**{signal: measured, "suspension_velocity": velocity})
+    assert np.array_equal(found, np.where(sign * measured * velocity > 0, STIFF, SOFT))
+
+
+def test_sh_add_is_skyhook_for_slow_motion_and_add_for_fast():
+    slow = {"body_velocity": 0.1, "body_acceleration": -0.3}  # 4.04 rad/s x 0.1 m/s = 0.404
+    fast = {"body_velocity": 0.1, "body_acceleration": -0.5}
+    assert LAWS["SH-ADD"].command(**slow, suspension_velocity=0.2) == STIFF
+    assert LAWS["SH-ADD"].command(**fast, suspension_velocity=0.2) == SOFT
+
+
+def test_pdd_lets_neither_spring_nor_damper_drive_the_body():
+    """Between its bounds the power of spring and damper is zero: K_s d v + c v^2 = 0."""
+    v, travel = 0.1, -0.02
+    c = float(LAWS["PDD"].command(suspension_travel=travel, suspension_velocity=v))
+    assert 80e3 * travel * v + c * v**2 == pytest.approx(0, abs=1e-9)
+
+
+def test_bridgehook_pushes_against_the_costate_and_rests_after_the_peak():
+    found = dampers.costate(bc.li2006.beam(), bc.li2006.car(), 25.0)
+    inside = slice(2, -2)
+    x, sigma = found.positions[inside], found.sigma[inside]
+    clear = np.abs(sigma) > 1e-3 * np.abs(sigma).max()
+    for v in (-0.1, 0.1):
+        c = LAWS["bridgehook"].command(position=x[clear], suspension_velocity=v)
+        assert np.array_equal(c, np.where(sigma[clear] * v < 0, STIFF, SOFT))
+    assert LAWS["bridgehook"].command(position=[-80.0, 20.0], suspension_velocity=0.1) == (
+        pytest.approx([7e3, 7e3])
+    )
+
+
+def test_the_costate_is_what_a_small_force_changes_in_the_peak_moment(bridge, truck):
+    """A pulse of 100 N over 10 mm at one place, through the control library."""
+    speed, width, force = 25.0, 0.01, 100.0
+    found = dampers.costate(bridge, truck, speed)
+    top = found.positions[-1]
+    crossing = bc.crossing_system(bridge, truck, speed)
+    for place in (2.0, 6.0, 9.0, 11.5):
+        x = np.unique(np.concatenate([np.linspace(0, top, 2001), place + width * np.arange(-2, 3)]))
+        pulse = force * np.clip(2 - np.abs(x - place) / width, 0, 1)  # 3 widths long in the mean
+        ends = [
+            ct.input_output_response(
+                crossing, x / speed, np.vstack([0 * x, f]), 0,
+                solve_ivp_method="DOP853", solve_ivp_kwargs={"rtol": 1e-10, "atol": 1e-14},
+            ).outputs[0][-1]
+            for f in (pulse, 0 * x)
+        ]  # fmt: skip
+        impulse = np.trapezoid(pulse, x / speed)
+        expected = np.interp(place, found.positions, found.sigma) * impulse
+        assert ends[0] - ends[1] == pytest.approx(expected, rel=0.01, abs=1e-9)
+
+
+# Your own law, as a block, and in C
+
+
+def test_a_law_of_ones_own_takes_named_gains_and_they_can_be_changed():
+    def law(s, g):
+        return g.base + g.slope * ca.fabs(s.suspension_velocity)
+
+    own = Strategy("own", law, SOFT, STIFF, {"base": (2e3, 0, 1e4), "slope": (1e4, 0, 1e6)})
+    assert own.command(suspension_velocity=[0.0, 0.5, 10.0]) == pytest.approx([2e3, 7e3, STIFF])
+    assert own.with_gains(base=3e3).command(suspension_velocity=0.0) == 3e3
+    assert own.gains == {"base": 2e3, "slope": 1e4}
+    assert "slope=10000" in repr(own)
+    assert own.used == ["suspension_velocity"]
+
+
+def test_a_strategy_as_a_block_closes_the_loop_around_a_crossing(bridge, truck):
+    """A constant damper through `interconnect` is the passive crossing."""
+    import dataclasses
+
+    bare = dataclasses.replace(truck, damping=0.0)
+    crossing = bc.crossing_system(bridge, bare, 25.0)
+    loop = ct.interconnect(
+        [crossing, dampers.passive(7e3).system(25.0)], inputs=["road"], outputs=["moment"],
+        check_unused=False,
+    )  # fmt: skip
+    t = np.linspace(0, 1, 501)
+    options = {"solve_ivp_method": "DOP853", "solve_ivp_kwargs": {"rtol": 1e-9, "atol": 1e-12}}
+    moment = ct.input_output_response(loop, t, 0 * t, 0, **options).outputs
+    expected = bc.crossing_response(bridge, truck, 25.0, timepts=t).outputs["moment"]
+    assert moment == pytest.approx(expected, abs=1e-7)
+
+
+def test_a_law_of_accelerations_makes_no_block_without_delay():
+    with pytest.raises(ValueError, match="ADD measures body_acceleration, which the damper force"):
+        LAWS["ADD"].system(25.0)
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
+@pytest.mark.parametrize("name", LAWS)
+def test_the_c_export_is_the_law(name, tmp_path):
+    law = LAWS[name]
+    source = law.to_c(tmp_path / "damping.c")
+    library = tmp_path / "damping.so"
+    subprocess.run(["cc", "-O1", "-shared", "-fPIC", source, "-o", library, "-lm"], check=True)
+    damping = ctypes.CDLL(str(library)).damping
+    doubles = ctypes.POINTER(ctypes.c_double)
+    rng = np.random.default_rng(0)
+    signals = rng.normal(0, 1, (10_000, len(SIGNALS)))
+    gains, out = np.array([*law.gains.values(), 0.0]), np.zeros(1)
+    found = np.empty(len(signals))
+    arguments = (doubles * 2)(signals.ctypes.data_as(doubles), gains.ctypes.data_as(doubles))
+    results, work = (doubles * 1)(out.ctypes.data_as(doubles)), (ctypes.c_double * 1000)()
+    for i, row in enumerate(signals):
+        arguments[0] = row.ctypes.data_as(doubles)
+        damping(arguments, results, None, work, 0)
+        found[i] = out[0]
+    expected = law.evaluator(len(signals))(signals.T)
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+# What is refused
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "message"),
+    [
+        (lambda: Strategy("", lambda s, g: 0, 1, 2), TypeError, "name must be a string"),
+        (lambda: Strategy("a", 3, 1, 2), TypeError, "law must be a function"),
+        (lambda: dampers.skyhook(STIFF, SOFT), ValueError, "c_min must not exceed c_max"),
+        (lambda: dampers.skyhook(-1, SOFT), ValueError, "c_min must be 0 or more"),
+        (
+            lambda: Strategy("a", lambda s, g: s.sped, 1, 2),
+            ValueError,
+            "unknown name .*'sped'",
+        ),
+        (lambda: Strategy("a", lambda s, g: g.k, 1, 2), ValueError, "gains: c_min, c_max"),
+        (lambda: Strategy("a", lambda s, g: 1, 1, 2, {"k": 3}), TypeError, "gain k must be"),
+        (lambda: Strategy("a", lambda s, g: 1, 1, 2, {"k": (3, 0, 1)}), ValueError, "k = 3 is out"),
+        (lambda: LAWS["skyhook"].with_gains(x=1), ValueError, "no gain 'x', its gains: dead_band"),
+        (lambda: LAWS["hybrid"].with_gains(share=2), ValueError, "share = 2 is outside its bounds"),
+        (lambda: LAWS["skyhook"].command(velocity=1), ValueError, "unknown signal 'velocity'"),
+        (lambda: LAWS["skyhook"].to_c("law.txt"), ValueError, r"path must end in \.c"),
+        (lambda: Damper("skyhook"), TypeError, "strategy must be a Strategy"),
+        (lambda: Damper(LAWS["skyhook"], sample_time=0), ValueError, "sample_time must be above 0"),
+        (lambda: Damper(LAWS["skyhook"], lag=-1), ValueError, "lag must be 0 or more"),
+        (lambda: Damper(LAWS["skyhook"], max_force=0), ValueError, "max_force must be above 0"),
+        (lambda: dampers.passive(0), ValueError, "damping must be above 0"),
+    ],
+)
+def test_each_mistake_is_named(make, error, message):
+    with pytest.raises(error, match=message):
+        make()
+
+
+def test_a_law_that_returns_nan_is_told_to_guard_its_divisions():
+    law = Strategy("careless", lambda s, g: s.body_velocity / s.suspension_velocity, 1, 2)
+    with pytest.raises(ValueError, match="careless returned NaN: guard divisions"):
+        law.command(body_velocity=0.0, suspension_velocity=0.0)
+
+
+def test_a_law_of_several_numbers_is_refused():
+    with pytest.raises(ValueError, match="must return one number"):
+        Strategy("two", lambda s, g: ca.vertcat(1, 2), 1, 2)
