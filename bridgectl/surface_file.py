@@ -30,9 +30,14 @@ from bridgectl.dae import RampSurface
 from bridgectl.propagator import SAME_PLACE, sample_positions
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.ramps import DenseHistories, FactoredHistories
-from bridgectl.recovery import RECOVERIES
 from bridgectl.road.lines import printable
-from bridgectl.surface_parts import AXES, COMPUTED, UNITS, dotted, leaves, parts, require_surface
+from bridgectl.surface_expected import (
+    ANEW,
+    SurfaceFileError,
+    checked_expectations,
+    require_expected,
+)
+from bridgectl.surface_parts import AXES, UNITS, dotted, leaves, parts, require_surface
 from bridgectl.vehicle import Vehicle
 
 __all__ = ["SurfaceFileError", "load_surface", "save_surface"]
@@ -41,20 +46,12 @@ FORMAT = "bridgectl ramp surface"
 VERSION = 1
 """Version of the format: files of another one are refused."""
 
-SAME = 1e-9
-"""Parameters that differ by less, relatively, are the same: far above round-off."""
-
 _CLASSES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (RampSurface, Beam, QuarterCar, Vehicle, FactoredHistories, DenseHistories)
 }
-_ANEW = "compute it anew by bridgectl.ramp_surface and save it"
 
 Array = NDArray[Any]
-
-
-class SurfaceFileError(ValueError):
-    """A file that holds no ramp surface, or not the expected one; one line says why."""
 
 
 class _Misfit(SurfaceFileError):  # noqa: N818
@@ -161,15 +158,15 @@ def load_surface(
     from x = 0 m to 25 m, recovery='exact')
     """
     file = os.fsdecode(path)
-    expected = _checked_expectations(
-        beam=beam, vehicle=vehicle, section=section, recovery=recovery, approach=approach,
-        speeds=speeds, **others,
+    expected = checked_expectations(
+        _CLASSES["RampSurface"], beam=beam, vehicle=vehicle, section=section, recovery=recovery,
+        approach=approach, speeds=speeds, **others,
     )  # fmt: skip
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about a vehicle, say: they came when it was made
             surface = _read(file)
-        _require_expected(surface, expected)
+        require_expected(surface, expected)
     except SurfaceFileError as fault:
         raise SurfaceFileError(printable(f"{file}: {fault}")) from None
     return surface
@@ -227,7 +224,7 @@ def _read(file: str) -> RampSurface:
             fault = f"no NPZ file, or cut short ({_reason(error)})"
         except Exception as error:  # of any kind, for anything may be in the file
             fault = f"no valid surface, or damaged ({_reason(error)})"
-    raise SurfaceFileError(f"{fault}: type the name of a saved surface, or {_ANEW}")
+    raise SurfaceFileError(f"{fault}: type the name of a saved surface, or {ANEW}")
 
 
 def _opened(file: str) -> BinaryIO:
@@ -249,7 +246,7 @@ def _reason(error: Exception) -> str:
 
 
 def _damaged(fault: str) -> SurfaceFileError:
-    return SurfaceFileError(f"damaged: {fault}; copy it again, or {_ANEW}")
+    return SurfaceFileError(f"damaged: {fault}; copy it again, or {ANEW}")
 
 
 def _array(archive: zipfile.ZipFile, name: str) -> Array:
@@ -276,7 +273,7 @@ def _header(archive: zipfile.ZipFile) -> dict[str, Any]:
         raise SurfaceFileError(
             f"has version {header['version']!r} of the format, by bridgectl "
             f"{header['bridgectl']}, and this bridgectl, {bridgectl.__version__}, reads version "
-            f"{VERSION}: install the other bridgectl, or {_ANEW}"
+            f"{VERSION}: install the other bridgectl, or {ANEW}"
         )
     return header
 
@@ -337,7 +334,7 @@ def _surface(header: dict[str, Any], arrays: dict[str, Array]) -> RampSurface:
     except _Misfit as misfit:
         raise SurfaceFileError(
             f"{misfit}: this file, by bridgectl {header['bridgectl']}, does not fit this "
-            f"bridgectl, {bridgectl.__version__}; {_ANEW}"
+            f"bridgectl, {bridgectl.__version__}; {ANEW}"
         ) from None
     return surface
 
@@ -388,84 +385,3 @@ def _require_fitting_histories(surface: RampSurface) -> None:
             raise _Misfit(f"'histories.local' names a ramp beyond the {n_ramps}")
         if len(local) * (histories.rows.shape[2] - 1) + 1 < n_samples:
             raise _Misfit(f"{len(local)} blocks do not hold {n_samples} samples")
-
-
-# What a study expects.
-
-
-def _checked_expectations(**given: Any) -> dict[str, Any]:
-    """Return the expected parameters, without those omitted."""
-    allowed = [f.name for f in dataclasses.fields(_CLASSES["RampSurface"]) if f.init]
-    allowed = [name for name in allowed if name not in COMPUTED]
-    for name in given:
-        if name not in allowed:
-            raise TypeError(
-                f"load_surface has no parameter {name!r}: expected parameters of the surface are "
-                f"{', '.join(allowed)}"
-            )
-    return {name: _expectation(name, value) for name, value in given.items() if value is not None}
-
-
-def _expectation(name: str, value: Any) -> Any:
-    kinds = {"beam": (Beam,), "vehicle": (Vehicle, QuarterCar)}.get(name)
-    if kinds:
-        if not isinstance(value, kinds):
-            words = " or ".join(kind.__name__ for kind in kinds)
-            raise TypeError(f"{name} must be a bridgectl.{words}, got {type(value).__name__}")
-        return value
-    if name == "speeds":
-        return _checks.speeds(value)
-    if name == "section":
-        return _checks.fraction(name, value)
-    if name == "recovery":
-        return _checks.choice(name, value, RECOVERIES)
-    return _checks.number(name, value, unit=UNITS[name]) if name in UNITS else value
-
-
-def _require_expected(surface: RampSurface, expected: Mapping[str, Any]) -> None:
-    found = {
-        name: list(_differences(name, getattr(surface, name), wanted))
-        for name, wanted in expected.items()
-    }
-    if texts := [text for each in found.values() for text in each]:
-        names = ", ".join(f"{name}=" for name, each in found.items() if each)
-        raise SurfaceFileError(
-            f"not the expected surface: {'; '.join(texts)}. For the expected one, {_ANEW}; for "
-            f"the one in the file, leave out {names}"
-        )
-
-
-def _differences(name: str, found: Any, wanted: Any) -> Iterator[str]:
-    """What differs of a parameter, with both values."""
-    if name == "vehicle" and type(found) is not type(wanted):
-        found, wanted = found.linear, wanted.linear
-    wanted_leaves = dict(leaves(wanted, name))
-    for where, leaf in leaves(found, name):
-        if not _same(leaf, wanted_leaves[where]):
-            yield _difference(where, leaf, wanted_leaves[where])
-
-
-def _same(found: Any, wanted: Any) -> bool:
-    a, b = np.asarray(found), np.asarray(wanted)
-    if a.dtype.kind not in "iuf" or b.dtype.kind not in "iuf" or a.shape != b.shape:
-        return bool(np.array_equal(a, b))
-    return bool(np.allclose(a, b, rtol=SAME, atol=SAME * np.abs(b).max(initial=0.0)))
-
-
-def _difference(name: str, found: Any, wanted: Any) -> str:
-    a, b = np.asarray(found), np.asarray(wanted)
-    if isinstance(found, np.ndarray) and a.shape == b.shape:
-        where = next(i for i in np.ndindex(a.shape) if not _same(a[i], b[i]))
-        name, found, wanted = f"{name}[{', '.join(map(str, where))}]", a[where], b[where]
-    unit = UNITS.get(name.partition("[")[0], "1")
-    return f"{name} is {_shown(found, unit)} in the file, {_shown(wanted, unit)} expected"
-
-
-def _shown(value: Any, unit: str) -> str:
-    if isinstance(value, np.ndarray):
-        size = " x ".join(map(str, value.shape))
-        span = f" from {value.min():.6g} to {value.max():.6g}" if value.size else ""
-        text = f"an array of {size}{span}"
-    else:
-        text = repr(value.item() if isinstance(value, np.generic) else value)
-    return text if unit == "1" else f"{text} {unit}"
