@@ -90,7 +90,7 @@ VALIDATE_HELP = """\
 Do Section 4 of Li, OBrien and Gonzalez (2006) again: compare DAE and superposed DAF with the
 simulated DAF of eight good roads (IRI below 7 m/km) on bridges of 15, 25 and 35 m. The truck starts
 at rest where the bridge begins (Figs. 8 and 9) or 200 m before it (Fig. 11). Roads 1 and 2 are
-measured, 3 to 6 random, 7 and 8 made for the largest and smallest DAF. It takes half a minute.
+measured, 3 to 6 random, 7 and 8 made for the largest and smallest DAF. It takes a minute.
 
 examples:
   bridgectl validate --plot validation.png

@@ -18,7 +18,7 @@ from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.peaks import find_peaks
 from bridgectl.quarter_car import QuarterCar
-from bridgectl.ramps import Histories
+from bridgectl.ramps import Histories, superposed
 from bridgectl.response import daf
 from bridgectl.road import RoadProfile
 from bridgectl.simulation import linear_contact, prepare
@@ -268,9 +268,7 @@ class RampSurface:
         """Superposed DAF of roads, (n_speeds, n_roads); NaN where a tire may leave the road."""
         values = np.empty((len(self.speeds), drops.shape[1]))
         for i in range(len(self.speeds)):
-            moment = self.histories.moments(i, drops)
-            moment += self.histories.smooth[i][:, np.newaxis]
-            values[i] = find_peaks(moment).values
+            values[i] = find_peaks(superposed(self.histories, i, drops)).values
         values[self.near_lift_off(drops)] = np.nan
         return values
 

@@ -63,6 +63,13 @@ class Histories(Protocol):
         ...
 
 
+def superposed(histories: Histories, speed: int, drops: FloatArray | float) -> FloatArray:
+    """Return `Histories.moments` with the smooth road's: the histories of whole roads."""
+    history = histories.moments(speed, drops)
+    history += histories.smooth[speed][:, np.newaxis]
+    return history
+
+
 @dataclass(frozen=True)
 class DenseHistories:
     """Histories kept one by one, as simulating every ramp gives them.
@@ -77,7 +84,7 @@ class DenseHistories:
 
     def peaks(self, speed: int, drops: float) -> FloatArray:
         """See `Histories.peaks`."""
-        return find_peaks(self.moments(speed, drops) + self.smooth[speed][:, np.newaxis]).values
+        return find_peaks(superposed(self, speed, drops)).values
 
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
         """See `Histories.moments`."""

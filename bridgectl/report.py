@@ -21,6 +21,7 @@ from bridgectl.paper import PaperResults
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.road import PsdFit, RoadProfile
 from bridgectl.road.iri import BASE, GOOD
+from bridgectl.road.limits import evenly_spaced
 
 WIDTH = 100
 """Columns of the tables where there is no terminal to tell."""
@@ -74,9 +75,8 @@ class TrackMeasures:
 
 def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
     """Measure a track; of uneven stations, at even ones no farther apart than 0.25 m."""
-    steps = np.diff(road.x)
-    if np.ptp(steps) > 1e-6 * steps.mean():
-        step = min(float(np.median(steps)), BASE)
+    if not evenly_spaced(road.x):
+        step = min(float(np.median(np.diff(road.x))), BASE)
         warnings.warn(
             f"{road.name}: the stations are unevenly spaced: measured after interpolation every "
             f"{step:.6g} m",

@@ -11,12 +11,10 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
-import secrets
-import shutil
 import stat
 import warnings
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -25,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import bridgectl
 from bridgectl import _checks
+from bridgectl._files import replacing
 from bridgectl.beam import Beam
 from bridgectl.dae import RampSurface
 from bridgectl.propagator import SAME_PLACE, sample_positions
@@ -106,7 +105,9 @@ def save_surface(surface: RampSurface, path: str | os.PathLike[str]) -> None:
         "arrays": {name: _description(name, array) for name, array in arrays.items()},
         "units": {name: UNITS[name] for name in found if name in UNITS},
     }
-    _replace(os.path.realpath(file), {"header": np.array(json.dumps(header)), **arrays})
+    with replacing(os.path.realpath(file)) as handle:
+        # Names of arrays are no other arguments.
+        np.savez(handle, header=np.array(json.dumps(header)), **arrays)  # type: ignore[arg-type]
 
 
 def load_surface(
@@ -191,22 +192,6 @@ def _description(name: str, array: Array) -> dict[str, Any]:
     order = np.argsort([-stride for stride in array.strides], kind="stable").tolist()
     known["memory_order"] = order
     return {key: value for key, value in known.items() if value is not None}
-
-
-def _replace(file: str, arrays: Mapping[str, Array]) -> None:
-    """Write a file beside the one it then replaces, which stays as it is if anything fails."""
-    beside = os.path.join(os.path.dirname(file), f".{secrets.token_hex(8)}.tmp")
-    try:
-        with open(beside, "xb") as handle:
-            np.savez(handle, **arrays)  # type: ignore[arg-type] # names are no other arguments
-        if os.path.exists(file):
-            shutil.copymode(file, beside)
-        os.replace(beside, file)
-    except OSError as error:  # named after the file that was asked for
-        raise OSError(error.errno, error.strerror, file) from None
-    finally:
-        if os.path.exists(beside):
-            os.remove(beside)
 
 
 # Reading. Errors become SurfaceFileErrors, to which `load_surface` adds the name of the file.

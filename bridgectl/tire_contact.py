@@ -15,7 +15,7 @@ from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
 from bridgectl.propagator import MAX_VEHICLE_PHASE
-from bridgectl.ramps import factor_histories
+from bridgectl.ramps import factor_histories, superposed
 from bridgectl.simulation import Run
 
 DOUBTFUL = 0.05
@@ -64,8 +64,7 @@ class TireContact:
         -------
         ndarray of bool, shape (n_roads,)
         """
-        forces = self.on_bridge.moments(speed, drops) + self.on_bridge.smooth[speed, :, np.newaxis]
-        least = forces.min(axis=0)
+        least = superposed(self.on_bridge, speed, drops).min(axis=0)
         if self.n_before:
             before = 1 + self._least_change(self.durations[speed], drops[: self.n_before])
             least = np.minimum(least, before)

@@ -12,6 +12,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
 from bridgectl.dae import RampSurface, Roads, road_parts
 from bridgectl.peaks import find_peaks
+from bridgectl.ramps import superposed
 from bridgectl.road.iri import GOOD, rectified_slope
 
 TALLEST = 10e-3
@@ -130,6 +131,6 @@ def _peak_rises(surface: RampSurface, drops: FloatArray) -> FloatArray:
     """Superposed peak above the superposed moment at the smooth road's peak, (n_speeds, n)."""
     rises = np.empty((len(surface.speeds), drops.shape[1]))
     for i, smooth in enumerate(surface.histories.smooth):
-        moment = surface.histories.moments(i, drops) + smooth[:, np.newaxis]
+        moment = superposed(surface.histories, i, drops)
         rises[i] = find_peaks(moment).values - moment[np.argmax(smooth)]
     return rises

@@ -50,13 +50,17 @@ def require_gentle(x: FloatArray, elevation: FloatArray) -> None:
     )
 
 
+def evenly_spaced(x: FloatArray) -> bool:
+    """Tell whether stations are evenly spaced, but for round-off."""
+    steps = np.diff(x)
+    return bool(np.ptp(steps) <= 1e-6 * steps.mean() + 2 * TOLERANCE)
+
+
 def even_step(x: FloatArray, what: str) -> float:
     """Return the distance between evenly spaced stations [m], or say that `what` needs them so."""
-    steps = np.diff(x)
-    step = float(steps.mean())
-    if np.ptp(steps) > 1e-6 * step + 2 * TOLERANCE:
+    if not evenly_spaced(x):
         raise ValueError(
             f"the {what} needs evenly spaced stations: type road.resample(0.25) first, or the "
             "spacing at which the road was measured"
         )
-    return step
+    return float(np.diff(x).mean())

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
-import shutil
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -12,6 +10,7 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._files import replacing
 
 from .erd import FREE_TEXT, LONG_WIDTH, SIGNATURE, WIDTH
 from .limits import TOLERANCE, first_too_steep
@@ -79,7 +78,8 @@ def write_profile(
             f"path must end in .csv or .erd, got {os.fspath(path)!r}: type path='road.csv', or "
             "pass format='csv' or format='erd'"
         )
-    _replace(os.path.realpath(path), _FORMATS[kind](tracks))
+    with replacing(os.path.realpath(path)) as handle:
+        handle.writelines(part.encode() for part in _FORMATS[kind](tracks))
 
 
 def _csv(tracks: Sequence[RoadProfile]) -> Iterator[str]:
@@ -163,19 +163,3 @@ def _checked_tracks(roads: RoadProfile | Sequence[RoadProfile]) -> Sequence[Road
         if max(np.abs(x).max(), np.abs(road.elevation).max()) >= LARGEST:
             raise ValueError(f"read_profile would refuse numbers of {LARGEST:g} m and more")
     return tracks
-
-
-def _replace(file: str, parts: Iterator[str]) -> None:
-    """Write a file beside the one it then replaces, which stays as it is if anything fails."""
-    beside = os.path.join(os.path.dirname(file), f".{secrets.token_hex(8)}.tmp")
-    try:
-        with open(beside, "x", encoding="utf-8", newline="\n") as handle:
-            handle.writelines(parts)
-        if os.path.exists(file):
-            shutil.copymode(file, beside)
-        os.replace(beside, file)
-    except OSError as error:  # named after the file that was asked for
-        raise OSError(error.errno, error.strerror, file) from None
-    finally:
-        if os.path.exists(beside):
-            os.remove(beside)
