@@ -18,7 +18,7 @@ from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.peaks import find_peaks
 from bridgectl.quarter_car import QuarterCar
-from bridgectl.ramps import Histories, superposed
+from bridgectl.ramps import FeedbackHistories, Histories, superposed
 from bridgectl.response import daf
 from bridgectl.road import RoadProfile
 from bridgectl.simulation import linear_contact, prepare
@@ -78,11 +78,14 @@ class RampSurface:
 
     def __repr__(self) -> str:
         kmh = self.speeds * 3.6
+        damper = ""
+        if isinstance(self.histories, FeedbackHistories):
+            damper = f", damper={self.histories.damper!r}"
         return (
             f"RampSurface({len(self.speeds)} speeds from {kmh.min():g} to {kmh.max():g} km/h, "
             f"{len(self.positions)} ramps of {self.ramp_height * 1e3:g} mm over "
             f"{self.ramp_length * 1e3:g} mm from x = {0.0 - self.approach:g} m to "
-            f"{self.beam.length:g} m, recovery={self.recovery!r})"
+            f"{self.beam.length:g} m, recovery={self.recovery!r}{damper})"
         )
 
     @property

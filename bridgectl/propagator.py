@@ -249,12 +249,12 @@ def build_cells(
         n_modes, map_of, kind_of_map = 0, kind, np.arange(len(widths))
         positions = np.zeros((len(widths), N_STAGES))
     durations = widths / speeds[:, np.newaxis]
-    free_vehicle, held_vehicle = _hold_responses(
+    free_vehicle, held_vehicle = hold_responses(
         vehicle.state_matrix_on_tires(contact),
         np.where(contact, vehicle.road_input, vehicle.tire_input),
         durations,
     )
-    free_modes, held_modes = _hold_responses(*_modes(crossing, n_modes), durations)
+    free_modes, held_modes = hold_responses(*mode_matrices(crossing, n_modes), durations)
 
     shapes = crossing.tire_shapes(positions)[..., :n_modes]
     q = N_STAGES * vehicle.n_tires  # tires innermost
@@ -290,7 +290,7 @@ def build_cells(
     )  # fmt: skip
 
 
-def _modes(crossing: Crossing, n_modes: int) -> tuple[FloatArray, FloatArray]:
+def mode_matrices(crossing: Crossing, n_modes: int) -> tuple[FloatArray, FloatArray]:
     """State and input matrices of the modes on their own, shapes (modes, 2, 2), (modes, 2, 1)."""
     own = 2 * np.arange(n_modes)[:, np.newaxis] + np.arange(2)
     matrices = crossing.beam.state_matrix[own[:, :, np.newaxis], own[:, np.newaxis, :]]
@@ -381,18 +381,36 @@ def _solve_stages(
     return stages[..., :n_states], stages[..., n_states:]
 
 
-def _hold_responses(
-    matrix: FloatArray, inputs: FloatArray, durations: FloatArray
+def hold_responses(
+    matrix: FloatArray,
+    inputs: FloatArray,
+    durations: FloatArray,
+    stages: FloatArray = GAUSS,
+    points: FloatArray = _POINTS,
 ) -> tuple[FloatArray, FloatArray]:
-    """Responses of x' = A x + B u at the points of cells, exactly.
+    """Responses of x' = A x + B u at points of cells, exactly.
 
-    `matrix` and `inputs` have shapes (..., n, n) and (..., n, m), `durations` (S, U). Returns
-    the free response (S, U, ..., points, n, n) and the response to inputs that are polynomials
-    with given values at the stages (S, U, ..., points, n, N_STAGES, m).
+    Parameters
+    ----------
+    matrix, inputs : ndarray, shapes (..., n, n) and (..., n, m)
+        A and B.
+    durations : ndarray, shape (S, U)
+        Durations of the cells [s].
+    stages : ndarray, shape (q,)
+        Where the values of u are given, as fractions of a cell: it is the polynomial through them.
+    points : ndarray, shape (p,)
+        Where the states are asked for, likewise.
+
+    Returns
+    -------
+    free : ndarray, shape (S, U, ..., p, n, n)
+        Response to the states at the start.
+    held : ndarray, shape (S, U, ..., p, n, q, m)
+        Response to the values of u.
     """
     n, m = inputs.shape[-2:]
-    batch = matrix.shape[:-2]
-    size = n + N_STAGES * m
+    batch, n_stages = matrix.shape[:-2], len(stages)
+    size = n + n_stages * m
     scaled = durations.reshape(*durations.shape, *(1,) * (len(batch) + 2))
     # A chain of integrators drives the system with the powers s^p / p! of the time in cells.
     chain = np.zeros((*durations.shape, *batch, size, size))
@@ -400,9 +418,8 @@ def _hold_responses(
     chain[..., :n, n : n + m] = inputs * scaled
     upper = np.arange(n, size - m)
     chain[..., upper, upper + m] = 1.0
-    points = _POINTS[:, np.newaxis, np.newaxis]
-    response = expm(chain[..., np.newaxis, :, :] * points)
-    powers = response[..., :n, n:].reshape(*response.shape[:-2], n, N_STAGES, m)
-    factorials = np.array([1.0, 1.0, 2.0])
-    lagrange = factorials[:, np.newaxis] * np.linalg.inv(np.vander(GAUSS, increasing=True))
+    response = expm(chain[..., np.newaxis, :, :] * points[:, np.newaxis, np.newaxis])
+    powers = response[..., :n, n:].reshape(*response.shape[:-2], n, n_stages, m)
+    factorials = np.cumprod([1.0, *range(1, n_stages)])
+    lagrange = factorials[:, np.newaxis] * np.linalg.inv(np.vander(stages, increasing=True))
     return response[..., :n, :n], np.einsum("...ipm,pn->...inm", powers, lagrange)

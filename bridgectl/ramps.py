@@ -70,6 +70,35 @@ def superposed(histories: Histories, speed: int, drops: FloatArray | float) -> F
     return history
 
 
+class FeedbackHistories:
+    """What stands for the histories of a semi-active damper, whose responses do not superpose."""
+
+    def __init__(self, damper: str) -> None:
+        self.damper = damper
+
+    @property
+    def nodes(self) -> FloatArray:
+        """See `smooth`."""
+        return self.smooth
+
+    @property
+    def smooth(self) -> FloatArray:
+        """None are kept: superposing them would be wrong."""
+        raise ValueError(
+            f"the histories of a crossing with {self.damper} do not superpose: estimate its DAF by "
+            "surface.dae(road), or simulate it, bridgectl.daf(beam, vehicle, speeds, road, "
+            "damper=...)"
+        )
+
+    def peaks(self, speed: int, drops: float) -> FloatArray:
+        """See `smooth`."""
+        return self.smooth
+
+    def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
+        """See `smooth`."""
+        return self.smooth
+
+
 @dataclass(frozen=True)
 class DenseHistories:
     """Histories kept one by one, as simulating every ramp gives them.

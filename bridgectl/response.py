@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import control
 import numpy as np
@@ -32,6 +33,9 @@ from bridgectl.simulation import (
 )
 from bridgectl.vehicle import Vehicle
 
+if TYPE_CHECKING:
+    from bridgectl.dampers import Damper, Strategy
+
 METHODS = ("propagator", "control")
 
 
@@ -50,6 +54,7 @@ def crossing_response(
     section: float = 0.5,
     recovery: str = "exact",
     method: str = "propagator",
+    damper: Damper | Strategy | None = None,
     tail: float = 0.0,
     timepts: ArrayLike | None = None,
 ) -> control.TimeResponseData:
@@ -69,6 +74,8 @@ def crossing_response(
         Where the vehicle starts [m]: 0, or negative for a start on the approach.
     method : {'propagator', 'control'}, optional
         The fast path, or `control.input_output_response` with tight tolerances.
+    damper : bridgectl.dampers.Damper or Strategy, optional
+        A semi-active damper in place of the vehicle's own; by the fast path alone.
     tail : float, optional
         Time of free vibration after the last tire has left the bridge [s].
     timepts : array_like, optional
@@ -81,7 +88,7 @@ def crossing_response(
     control.TimeResponseData
         Outputs as in `crossing_system`: 'moment' (over the peak static moment),
         'deflection' [m], 'tire_force' [N], ... Inputs: the road r, positive downward, and
-        the force of each controlled damper, zero here.
+        the force of each controlled damper, zero without one.
 
     Raises
     ------
@@ -109,6 +116,12 @@ def crossing_response(
     crossing = Crossing(beam, vehicle, speed, section, recovery)
     _checks.choice("method", method, METHODS)
     run = prepare(crossing, profile, start, tail)
+    if damper is not None:
+        _only_fast(method)
+        from bridgectl.dampers.damped import damped_response  # late, for it lies above this module
+
+        asked = np.zeros(0) if timepts is None else _times(timepts, run) * crossing.speed
+        return _as_response(*damped_response(run, damper, asked))
     nodes = run.nodes(crossing.speed, refine=4)
     keep = np.arange(len(nodes))
     if timepts is not None:
@@ -148,6 +161,7 @@ def daf(
     recovery: str = "exact",
     effect: str = "moment",
     method: str = "propagator",
+    damper: Damper | Strategy | None = None,
 ) -> FloatArray:
     """Dynamic amplification factor: the peak moment, or other effect, over its static peak.
 
@@ -159,8 +173,8 @@ def daf(
         See `Crossing`.
     speeds : float or array_like
         Speeds c [m/s].
-    profile, start, method
-        See `crossing_response`.
+    profile, start, method, damper
+        See `crossing_response`; with a damper, the effect is the moment.
 
     Returns
     -------
@@ -187,6 +201,12 @@ def daf(
     crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
     _checks.choice("method", method, METHODS)
     run = prepare(crossing, profile, start)
+    if damper is not None:
+        _only_fast(method)
+        _checks.choice("effect", effect, ("moment",))
+        from bridgectl.dampers.damped import damped_dafs
+
+        return damped_dafs(run, damper, c)
     result = np.empty(c.size)
     linear = np.zeros(c.size, dtype=bool)
     if method == "propagator":
@@ -233,11 +253,21 @@ def _peak(samples: FloatArray, nodes: FloatArray) -> float:
     return float(find_peaks(samples[len(SAMPLES) * entry :, np.newaxis]).values[0])
 
 
+def _only_fast(method: str) -> None:
+    if method != "propagator":
+        raise ValueError(f"method must be 'propagator' with a damper, got {method!r}: leave it out")
+
+
 def _as_response(
-    run: Run, positions: FloatArray, states: FloatArray, forces: FloatArray
+    run: Run,
+    positions: FloatArray,
+    states: FloatArray,
+    forces: FloatArray,
+    damper: FloatArray | None = None,
 ) -> control.TimeResponseData:
     crossing, time = run.crossing, positions / run.crossing.speed
-    damper = np.zeros((len(crossing.linear.damper_map), len(positions)))
+    if damper is None:
+        damper = np.zeros((len(crossing.linear.damper_map), len(positions)))
     return control.TimeResponseData(
         time,
         crossing.outputs(time, states, forces, damper),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +24,9 @@ from bridgectl.road import RoadProfile
 from bridgectl.simulation import Run, prepare, reference_effect
 from bridgectl.vehicle import Vehicle
 
+if TYPE_CHECKING:
+    from bridgectl.dampers import Damper, Strategy
+
 
 @on_one_thread
 def ramp_surface(
@@ -37,6 +41,7 @@ def ramp_surface(
     recovery: str = "exact",
     effect: str = "moment",
     method: str = "propagator",
+    damper: Damper | Strategy | None = None,
     progress: bool = True,
 ) -> RampSurface:
     """Compute the DAF of a unit ramp at every place, for every speed: Fig. 5 of the paper.
@@ -56,6 +61,9 @@ def ramp_surface(
     method : {'propagator', 'control'}, optional
         'propagator': all ramps from one propagation, factored. 'control': one
         `control.input_output_response` for each ramp and speed, slow, for comparison.
+    damper : bridgectl.dampers.Damper or Strategy, optional
+        A semi-active damper in place of the vehicle's own. Its responses do not superpose: the
+        surface has a DAE, which then is an estimate twice over, and no superposed DAF.
     progress : bool, optional
         Whether 'control' shows a progress bar on a terminal.
 
@@ -93,18 +101,30 @@ def ramp_surface(
     before = _checks.not_negative("approach", approach, unit="m")
     _checks.choice("method", method, METHODS)
     crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
+    if damper is not None and (effect != "moment" or method != "propagator"):
+        raise ValueError(
+            f"with a damper, a surface is of the moment and by the fast path, got {effect=} and "
+            f"{method=}: leave them out"
+        )
     n_ramps = int(np.ceil((before + beam.length) / length - SAME_PLACE))
     positions = -before + length * np.arange(n_ramps)
-    # The smooth road has nodes at the ramps' ends all the same.
     edges = np.append(positions, positions[-1] + length)
-    smooth_road = RoadProfile(edges, np.zeros_like(edges))
-    run = prepare(crossing, smooth_road, -before)
-    if method == "propagator":
-        histories: Histories = factor_histories(run, c, length, n_ramps)
+    histories: Histories
+    if damper is not None:
+        # Late, for dampers lie above this module.
+        from bridgectl.dampers.damped import ramp_dafs
+
+        daf_smooth, daf_unit, histories = ramp_dafs(crossing, damper, c, edges, height)
     else:
-        histories = _simulate_ramps(run, edges, c, height, progress)
-    daf_smooth = find_peaks(histories.smooth.T).values
-    daf_unit = np.array([histories.peaks(i, height) for i in range(c.size)])
+        # The smooth road has nodes at the ramps' ends all the same.
+        smooth_road = RoadProfile(edges, np.zeros_like(edges))
+        run = prepare(crossing, smooth_road, -before)
+        if method == "propagator":
+            histories = factor_histories(run, c, length, n_ramps)
+        else:
+            histories = _simulate_ramps(run, edges, c, height, progress)
+        daf_smooth = find_peaks(histories.smooth.T).values
+        daf_unit = np.array([histories.peaks(i, height) for i in range(c.size)])
     return RampSurface(
         beam, vehicle, section, recovery, effect, before, length, height, c, positions,
         daf_smooth, daf_unit, histories,

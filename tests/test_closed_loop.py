@@ -183,7 +183,7 @@ def test_the_order_of_the_speeds_is_that_of_the_results(bridge, truck):
 def test_the_names_of_the_signals_are_those_of_the_crossing(bridge, truck):
     labels = bc.crossing_system(bridge, truck, 25.0).output_labels
     assert set(CROSSING_OUTPUTS.values()) <= set(labels)
-    assert set(CROSSING_OUTPUTS) | {"position", "speed"} == set(SIGNALS)
+    assert set(CROSSING_OUTPUTS) | {"tire_force_rate", "position", "speed"} == set(SIGNALS)
 
 
 @pytest.mark.parametrize(

@@ -160,7 +160,7 @@ def test_the_c_export_is_the_law(name, tmp_path):
         arguments[0] = row.ctypes.data_as(doubles)
         damping(arguments, results, None, work, 0)
         found[i] = out[0]
-    expected = law.evaluator(len(signals))(signals.T)
+    expected = law.evaluate(signals.T)
     assert found == pytest.approx(expected, rel=1e-12)
 
 

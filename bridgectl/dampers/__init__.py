@@ -4,7 +4,11 @@ from .actuator import Damper
 from .bridgehook import Bridgehook, Costate, bridgehook, costate
 from .closed_loop import LoopResult, simulate_loop
 from .laws import add, continuous_skyhook, groundhook, hybrid, passive, pdd, sh_add, skyhook
+from .lqr import clipped_lqr
+from .preset import preset
+from .program import program
 from .strategy import SIGNALS, Strategy
+from .tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
 
 __all__ = [
     "SIGNALS",
@@ -15,13 +19,19 @@ __all__ = [
     "Strategy",
     "add",
     "bridgehook",
+    "clipped_lqr",
     "continuous_skyhook",
     "costate",
+    "extended_groundhook",
     "groundhook",
     "hybrid",
     "passive",
     "pdd",
+    "preset",
+    "program",
+    "selective_groundhook",
     "sh_add",
     "simulate_loop",
     "skyhook",
+    "tire_groundhook",
 ]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bridgectl import _checks as check
+from bridgectl.quarter_car import QuarterCar
+from bridgectl.vehicle import Vehicle
 
 from .strategy import Strategy
 
@@ -64,3 +66,18 @@ class Damper:
             raise ValueError(f"max_force must be above 0 [N], got {self.max_force}")
         check.not_negative("velocity_noise", self.velocity_noise, unit="m/s")
         check.integer("seed", self.seed, at_least=0)
+
+
+def as_damper(damper: Damper | Strategy) -> Damper:
+    """Return the damper, one of the default kind around a strategy alone."""
+    return damper if isinstance(damper, Damper) else Damper(damper)
+
+
+def bare_vehicle(vehicle: Vehicle | QuarterCar) -> QuarterCar:
+    """Return a quarter-car without its damper."""
+    if not isinstance(vehicle, QuarterCar):
+        raise TypeError(
+            f"vehicle must be a QuarterCar, got {type(vehicle).__name__}: other vehicles have "
+            "passive dampers only"
+        )
+    return replace(vehicle, damping=0.0)

@@ -1,13 +1,12 @@
 """Crossings with a semi-active damper, for many speeds and roads at once.
 
-The damping is held over a sample (or follows its lag exactly), and the crossing is integrated from
-node to node: samples of the controller, stations of the road, the section, and points between
-them, at each speed its own. All speeds and roads are advanced side by side by the classic
-Runge-Kutta method, on the crossing's own matrices.
+The damping is held over a sample (or follows its lag exactly). All speeds and roads are advanced
+side by side by the exact steps of `bridgectl.dampers.steps`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,17 +20,26 @@ from bridgectl.crossing import Crossing
 from bridgectl.propagator import SAME_PLACE
 from bridgectl.quarter_car import QuarterCar
 
-from .actuator import Damper
+from . import steps as st
+from .actuator import Damper, as_damper, bare_vehicle
+from .batch_law import BatchLaw
+from .steps import STAGES, STATES, TIRE, Plan, Responses, Steps, longest_step, make_plan, make_steps
 from .strategy import SIGNALS, Strategy
 
 BODY, AXLE = 1, 3
 """Places of y_s' and y_t' among a quarter-car's states; each displacement is before its rate."""
 
-RATE = np.array([0.0, 1.0, 0.0, -1.0])
-"""Suspension velocity of a quarter-car's states."""
+SUBSTITUTIONS = 4
+"""How often the forces of a step are put into its equations: each gains more than a digit."""
 
-MAX_PHASE = 0.12
-"""Largest advance of phase of the fastest motion in a step [rad]: DAFs then are within 5e-5."""
+CLOSE = 3e-3
+"""How far below the largest moment so far a step's samples may lie and its peak above it."""
+
+BYTES = 32e6
+"""Memory that the matrices of the steps made at once may take."""
+
+RECORDED = (*SIGNALS[:-2], "damping")
+"""Histories that can be recorded: what a strategy measures, and c [N s/m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,17 +51,35 @@ class LoopResult:
     daf : ndarray
         Peak moment over the peak static one.
     least_force : ndarray
-        Least tire force over its static load, on approach and bridge.
+        Least tire force over its static load, from the first station to the last.
     dissipated : ndarray
         Energy that the damper has taken out [J].
     switches : ndarray
         How often the command crosses the middle of its range.
+    histories : tuple of dict
+        For each speed, what was recorded by name, shape (n_roads, n_samples): samples of the
+        controller, the first at the first station.
     """
 
     daf: FloatArray
     least_force: FloatArray
     dissipated: FloatArray
     switches: NDArray[np.intp]
+    histories: tuple[dict[str, FloatArray], ...] = ()
+
+    def of_speeds(self, order: NDArray[np.intp]) -> LoopResult:
+        """Return the speeds in another order."""
+        return LoopResult(
+            self.daf[order], self.least_force[order], self.dissipated[order], self.switches[order],
+            tuple(self.histories[i] for i in order) if self.histories else (),
+        )  # fmt: skip
+
+    def of_roads(self, roads: slice) -> LoopResult:
+        """Return some of the roads; the histories are as they were recorded."""
+        return LoopResult(
+            self.daf[:, roads], self.least_force[:, roads], self.dissipated[:, roads],
+            self.switches[:, roads], self.histories,
+        )  # fmt: skip
 
 
 @on_one_thread
@@ -67,6 +93,7 @@ def simulate_loop(
     *,
     section: float = 0.5,
     recovery: str = "exact",
+    record: Iterable[str] = (),
 ) -> LoopResult:
     """Simulate crossings with a semi-active damper in place of the passive one.
 
@@ -75,15 +102,18 @@ def simulate_loop(
     beam, section, recovery
         See `bridgectl.crossing.Crossing`.
     vehicle : QuarterCar
-        The vehicle; its passive damping counts until the first sample, which is at the start.
+        The vehicle; its passive damper is taken out.
     damper : Damper or Strategy
         The damper; a strategy alone gets the defaults of `Damper`.
     speeds : float or array_like
         Speeds c [m/s].
     stations : array_like, shape (n,)
-        Stations of the roads [m], the first where the vehicle starts in equilibrium.
+        Stations of the roads [m], the first where the vehicle starts in equilibrium, the last at
+        the end of the bridge or beyond it.
     elevations : array_like, shape (n,) or (n_roads, n)
         Elevations of the roads there [m], positive up.
+    record : iterable of str, optional
+        Histories to keep: 'tire_force' [N], 'body_acceleration' [m/s^2], ..., 'damping' [N s/m].
 
     Returns
     -------
@@ -101,15 +131,11 @@ def simulate_loop(
     >>> from bridgectl.dampers import passive, simulate_loop
     >>> x = np.linspace(0, 25, 251)
     >>> result = simulate_loop(bc.li2006.beam(), bc.li2006.car(), passive(7e3), 30.0, x, 0 * x)
-    >>> bool(abs(result.daf[0, 0] - bc.daf(bc.li2006.beam(), bc.li2006.car(), 30.0)[0]) < 1e-4)
+    >>> bool(abs(result.daf[0, 0] - bc.daf(bc.li2006.beam(), bc.li2006.car(), 30.0)[0]) < 1e-5)
     True
     """
-    if not isinstance(vehicle, QuarterCar):
-        raise TypeError(
-            f"vehicle must be a QuarterCar, got {type(vehicle).__name__}: other vehicles have "
-            "passive dampers only"
-        )
-    device = damper if isinstance(damper, Damper) else Damper(damper)
+    bare = bare_vehicle(vehicle)
+    device = as_damper(damper)
     c = check.speeds(speeds)
     x = check.array("stations", stations, (None,), unit="m")
     z = np.atleast_2d(np.asarray(elevations, dtype=np.float64))
@@ -121,233 +147,254 @@ def simulate_loop(
         raise ValueError(
             f"stations must increase from 0 m or less to the end of the bridge, {beam.length:g} m"
         )
-    loop = _Loop(beam, vehicle, device, x, z[:, :1] - z, section, recovery)
-    order = np.argsort(c)  # the slowest have the most nodes, and finish last
-    found = loop.run(c[order])
-    back = np.argsort(order)
-    return LoopResult(
-        found.daf[back], found.least_force[back], found.dissipated[back], found.switches[back]
-    )
+    names = tuple(record)
+    if unknown := set(names) - set(RECORDED):
+        raise ValueError(
+            f"record has an unknown name, {sorted(unknown)[0]!r}, known: {', '.join(RECORDED)}"
+        )
+    crossing = Crossing(beam, bare, 1.0, section, recovery)
+    order = np.argsort(c, kind="stable")
+    return Loop(crossing, device, c[order], x, z, names).run().of_speeds(np.argsort(order))
 
 
-@dataclass(frozen=True)
-class _Plan:
-    """Steps of each speed: K nodes, and P = 2 K - 1 places, the nodes and the points between.
+@dataclass
+class Ends:
+    """A run at the end of a step: arrays (S, R); states (S, 1 + n, R), the first row ones."""
 
-    Speeds that need fewer nodes stay at their last one.
+    states: FloatArray
+    force: FloatArray
+    """Tire force [N]."""
+    sampled_force: FloatArray
+    """Tire force at the last sample [N]."""
+    moment: FloatArray
+    damping: FloatArray
+    command: FloatArray
+    peak: FloatArray
+    least: FloatArray
+    energy: FloatArray
+    switches: NDArray[np.intp]
+
+
+class Loop:
+    """A run: speeds rise, and each road is level up to the station of `begins`.
+
+    Until there a road is the same as the first, which must be level throughout if any `begins`
+    lies beyond the first station; then `begins` must rise. Histories named by `record` are kept of
+    the roads of the slice `recorded`.
     """
-
-    x: FloatArray
-    """Nodes [m], (S, K)."""
-    durations: FloatArray
-    """Time of each step [s], (S, K - 1)."""
-    sampled: NDArray[np.bool_]
-    """Nodes where the controller samples, (S, K)."""
-    last: NDArray[np.intp]
-    """Last node of each speed, (S,)."""
-    piece: NDArray[np.intp]
-    """Piece of the road under each place, (S, P)."""
-    share: FloatArray
-    """Fraction of it that lies behind, (S, P, 1)."""
-    shapes: FloatArray
-    """Mode shapes, (n_modes, S, P, 1)."""
-    per_force: FloatArray
-    """Moment per tire force at the nodes, (S, K, 1)."""
-    per_state: FloatArray
-    """Moment per state, (n,)."""
-
-
-class _Loop:
-    """The integration, on arrays (n states, speeds, roads)."""
 
     def __init__(
         self,
-        beam: Beam,
-        vehicle: QuarterCar,
+        crossing: Crossing,
         damper: Damper,
+        speeds: FloatArray,
         stations: FloatArray,
-        drops: FloatArray,
-        section: float,
-        recovery: str,
+        elevations: FloatArray,
+        record: tuple[str, ...] = (),
+        recorded: slice = slice(None),
+        begins: FloatArray | None = None,
     ) -> None:
-        bare = QuarterCar(
-            vehicle.sprung_mass, vehicle.unsprung_mass,
-            vehicle.suspension_stiffness, vehicle.tire_stiffness, 0.0,
-        )  # fmt: skip
-        self.crossing = Crossing(beam, bare, 1.0, section, recovery)
-        self.damper, self.stations, self.drops = damper, stations, drops
-        self.drops_at = np.ascontiguousarray(drops.T)
-        self.n = self.crossing.n_vehicle
-        linear = self.crossing.linear
-        self.free = self.crossing.free_matrix
-        self.of_force = self.crossing.damper_matrix[:, 0]
-        self.of_tire = linear.tire_input[:, 0]
-        self.of_beam = beam.input_matrix[1::2].diagonal()[:, np.newaxis, np.newaxis]
+        self.crossing, self.damper, self.speeds = crossing, damper, speeds
+        self.stations, self.recorded = stations, recorded
+        # Positive down, one row a station.
+        self.drops = np.ascontiguousarray((elevations[:, :1] - elevations).T)
+        linear = crossing.linear
         self.weight, self.stiffness = linear.static_loads[0], linear.tire_stiffnesses[0]
+        longest = min(longest_step(crossing, damper.strategy.c_max), damper.sample_time)
+        self.responses = Responses(crossing, longest)
+        self.plan: Plan = make_plan(crossing, speeds, stations, damper.sample_time, longest)
+        gains = damper.strategy.gains_for(crossing, speeds, stations, elevations)
+        # What is set once for each crossing differs between roads from the start.
+        every = np.full(len(elevations), stations[0])
+        self.begins = every if begins is None or gains else begins
+        self.law = BatchLaw(damper.strategy, [*speeds], gains)
+        self.middle = (damper.strategy.c_min + damper.strategy.c_max) / 2
+        self.rng = np.random.default_rng(damper.seed)
+        self.kept: dict[str, list[FloatArray]] = {name: [] for name in record}
 
-    def nodes(self, speed: float) -> tuple[FloatArray, NDArray[np.bool_]]:
-        """Places where steps begin and end [m], and which of them are samples."""
-        start, end = self.stations[0], self.crossing.beam.length
-        stiffest = self.crossing.linear.state_matrix_on_tires() + np.outer(
-            self.of_force[: self.n], self.damper.strategy.c_max * RATE
-        )
-        fastest = max(np.abs(np.linalg.eigvals(stiffest)).max(), self.crossing.beam.omega[-1])
-        between = int(np.ceil(self.damper.sample_time * fastest / MAX_PHASE))
-        step = speed * self.damper.sample_time / between
-        grid = start + step * np.arange(int(np.ceil((end - start) / step)) + 1)
-        places = [grid, self.stations, [0.0, self.crossing.section * end, end]]
-        every = np.unique(np.round(np.concatenate(places), 10))
-        every = every[(every >= start) & (every <= end + SAME_PLACE)]
-        samples = np.round(grid[::between], 10)
-        return every, np.isin(every, samples)
+    def run(self, observe: Callable[[Ends, float], None] = lambda now, x: None) -> LoopResult:
+        """Advance all speeds and roads from the first station to the last.
 
-    def run(self, speeds: FloatArray) -> LoopResult:
-        """Advance all speeds, in increasing order, to the end of the bridge."""
-        plan = self._plan(speeds)
-        n_roads, n_nodes = len(self.drops), plan.x.shape[1]
-        shape = len(speeds), n_roads
-        state = np.zeros((len(self.free), *shape))
-        strategy = self.damper.strategy
-        middle = (strategy.c_min + strategy.c_max) / 2
-        damping, command = np.zeros(shape), np.zeros(shape)
-        peak, least = np.full(shape, -np.inf), np.full(shape, np.inf)
-        energy, switches = np.zeros(shape), np.zeros(shape, dtype=int)
-        laws = [strategy.for_speed(float(speed)).evaluator(n_roads) for speed in speeds]
-        rng = np.random.default_rng(self.damper.seed)
-        for k in range(n_nodes):
-            here = slice(0, int((plan.last >= k).sum()))  # the slowest have most nodes
-            force = self._tire_force(state[:, here], *self._at(plan, 2 * k, here))
-            moment = self._moment(plan, k, state[:, here], force)
-            peak[here] = np.maximum(peak[here], moment)
-            least[here] = np.minimum(least[here], force / self.weight)
-            for i in np.nonzero(plan.sampled[here, k])[0]:
-                measured = state[:, i], damping[i], force[i], plan.x[i, k], speeds[i]
-                wanted = laws[i](self._signals(*measured, rng))
-                if k:
-                    switches[i] += (wanted > middle) != (command[i] > middle)
-                command[i] = wanted
-                if self.damper.lag == 0 or k == 0:
-                    damping[i] = wanted
-            ahead = slice(0, int((plan.last > k).sum()))
-            if ahead.stop:
-                state[:, ahead], damping[ahead], work = self._step(
-                    plan, k, ahead, state[:, ahead], damping[ahead], command[ahead]
-                )
-                energy[ahead] += work
-        return LoopResult(peak, least, energy, switches)
+        `observe` is told the state after each step, and how far the fastest has come [m].
+        """
+        now, plan = self._start(), self.plan
+        known = 1  # roads whose first ramp has been reached: they follow the first until then
+        for rounds, on_bridge in self._chunks():
+            here = plan.at_work(rounds)
+            steps = make_steps(
+                self.crossing, self.responses, self.speeds[:here], plan.edges[:here, rounds],
+                self.stations, on_bridge=on_bridge,
+            )  # fmt: skip
+            per_round = plan.edges.shape[2] - 1
+            for k in range(rounds.start, rounds.stop):
+                here = plan.at_work(slice(k, k + 1))
+                known = self._follow(now, known, plan.edges[:here, k, -1].max())
+                view = _view(now, here, known)
+                self._sample(view, k)
+                for step in range(per_round):
+                    column = (k - rounds.start) * per_round + step
+                    if steps.durations[:here, column].any():
+                        self._advance(view, steps, column, on_bridge=on_bridge)
+                        observe(view, float(plan.edges[here - 1, k, step + 1]))
+        self._follow(now, known, np.inf)
+        return LoopResult(now.peak, now.least, now.energy, now.switches, self._histories())
 
-    def _plan(self, speeds: FloatArray) -> _Plan:
-        """Places of all steps, and what is the same for all roads there."""
-        each = [self.nodes(float(speed)) for speed in speeds]
-        longest = max(len(nodes) for nodes, _ in each)
-        x = np.array([np.pad(nodes, (0, longest - len(nodes)), "edge") for nodes, _ in each])
-        sampled = np.array([np.pad(flags, (0, longest - len(flags))) for _, flags in each])
-        places = np.empty((len(speeds), 2 * longest - 1))
-        places[:, ::2], places[:, 1::2] = x, (x[:, 1:] + x[:, :-1]) / 2
-        at = np.clip(places, self.stations[0], self.stations[-1])
-        piece = np.searchsorted(self.stations, at, side="right") - 1
-        piece = np.clip(piece, 0, self.stations.size - 2)
-        share = (at - self.stations[piece]) / np.diff(self.stations)[piece]
-        shapes = np.moveaxis(self.crossing.beam.mode_shapes(places), -1, 0)
-        rows = self.crossing.rows(x)
-        return _Plan(
-            x, np.diff(x) / speeds[:, np.newaxis], sampled,
-            np.array([len(nodes) - 1 for nodes, _ in each]), piece, share[..., np.newaxis],
-            np.ascontiguousarray(shapes)[..., np.newaxis], rows.per_force, rows.per_state,
+    def _start(self) -> Ends:
+        shape = len(self.speeds), len(self.begins)
+        states = np.zeros((shape[0], 1 + self.crossing.n_states, shape[1]))
+        states[:, 0] = 1.0
+        weight, zeros = np.full(shape, self.weight), np.zeros(shape)
+        return Ends(
+            states, weight, weight.copy(), zeros, zeros.copy(), zeros.copy(),
+            np.full(shape, -np.inf), np.full(shape, np.inf), zeros.copy(),
+            np.zeros(shape, dtype=np.intp),
         )  # fmt: skip
 
-    def _at(self, plan: _Plan, place: int, here: slice) -> tuple[FloatArray, FloatArray]:
-        """Drop of every road and mode shapes under the tire, at a place of some speeds."""
-        piece, share = plan.piece[here, place], plan.share[here, place]
-        before = self.drops_at[piece]
-        return before + share * (self.drops_at[piece + 1] - before), plan.shapes[:, here, place]
+    def _chunks(self) -> Iterable[tuple[slice, bool]]:
+        """Rounds whose steps are made together, and whether they may reach the bridge."""
+        n, (_, n_rounds, edges) = self.crossing.n_states, self.plan.edges.shape
+        per_round = 8 * len(self.speeds) * (edges - 1) * (STATES + n) * (5 + n)
+        size = max(1, int(BYTES / per_round))
+        ends = [0, self.plan.entry, n_rounds]
+        for first, last, on_bridge in ((*ends[:2], False), (*ends[1:], True)):
+            for k in range(first, last, size):
+                yield slice(k, min(k + size, last)), on_bridge
 
-    def _step(
-        self,
-        plan: _Plan,
-        k: int,
-        here: slice,
-        state: FloatArray,
-        damping: FloatArray,
-        command: FloatArray,
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """One step of the classic Runge-Kutta method: states, damping, energy dissipated."""
-        duration = plan.durations[here, k, np.newaxis]
-        halfway = self._lagged(damping, command, duration / 2)
-        after = self._lagged(damping, command, duration)
-        start, middle, end = (self._at(plan, 2 * k + i, here) for i in range(3))
-        k1, p1 = self._rates(state, damping, *start)
-        k2, p2 = self._rates(state + duration / 2 * k1, halfway, *middle)
-        k3, p3 = self._rates(state + duration / 2 * k2, halfway, *middle)
-        k4, p4 = self._rates(state + duration * k3, after, *end)
-        k2 += k3
-        work = duration / 6 * (p1 + 2 * (p2 + p3) + p4)
-        return state + duration / 6 * (k1 + 2 * k2 + k4), after, work
+    def _follow(self, now: Ends, known: int, place: float) -> int:
+        """Let the roads that have a ramp before a place begin as the first road is by now."""
+        reached = max(known, int(np.searchsorted(self.begins, place)))
+        for array in vars(now).values():
+            array[..., known:reached] = array[..., :1]
+        return reached
 
-    def _rates(
-        self, state: FloatArray, damping: FloatArray, road: FloatArray, shapes: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Rates of the states, and the power that the damper takes out [W]."""
-        tire = self._tire_force(state, road, shapes)
-        velocity = state[BODY] - state[AXLE]
-        force = self._force(damping, velocity)
-        rates = (self.free @ state.reshape(len(state), -1)).reshape(state.shape)
-        rates[AXLE] += self.of_tire[AXLE] * (tire - self.weight)
-        rates[BODY] += self.of_force[BODY] * force
-        rates[AXLE] += self.of_force[AXLE] * force
-        rates[self.n + 1 :: 2] += (self.of_beam * shapes) * tire
-        return rates, force * velocity
+    def _sample(self, now: Ends, k: int) -> None:
+        """Measure, command, and record: the controller's part of a round."""
+        first = self.plan.first[: len(now.force)] == k
+        signals = self._signals(now, k, first)
+        wanted = self.law(signals)
+        if wanted.shape != now.command.shape:
+            wanted = np.broadcast_to(wanted, now.command.shape)
+        switched = (wanted > self.middle) != (now.command > self.middle)
+        switched[first] = False
+        now.switches += switched
+        now.command[:] = wanted
+        jumps = np.ones_like(first) if self.damper.lag == 0 else first
+        now.damping[jumps] = wanted[jumps]
+        now.sampled_force[:] = now.force
+        for name, kept in self.kept.items():
+            values = np.zeros((len(self.speeds), len(self.begins)))
+            source = now.damping if name == "damping" else signals[name]
+            values[: len(now.force), : now.force.shape[1]] = source
+            kept.append(values[:, self.recorded].copy())
 
-    def _force(self, damping: FloatArray, velocity: FloatArray) -> FloatArray:
+    def _signals(self, now: Ends, k: int, first: NDArray[np.bool_]) -> Mapping[str, FloatArray]:
+        """What the controller measures, by name: arrays (S, R), or (S, 1) for all roads alike."""
+        n, here = self.crossing.n_vehicle, len(now.force)
+        vehicle, linear = now.states[:, 1 : n + 1], self.crossing.linear
+        velocity = vehicle[:, BODY] - vehicle[:, AXLE]
+        damper = self.damper_force(now.damping, velocity)
+        beyond = now.force - self.weight
+        rates = {
+            row: np.tensordot(vehicle, linear.state_matrix[row], (1, 0))
+            + linear.tire_input[row, 0] * beyond
+            + linear.damper_input[row, 0] * damper
+            for row in (BODY, AXLE)
+        }
+        body, axle = vehicle[:, BODY], vehicle[:, AXLE]
+        if self.damper.velocity_noise:
+            noise = self.rng.normal(0.0, self.damper.velocity_noise, (2, *velocity.shape))
+            body, axle = body + noise[0], axle + noise[1]
+            velocity = body - axle
+        change = (now.force - now.sampled_force) / self.damper.sample_time
+        change[first] = 0.0
+        return {
+            "body_velocity": body, "axle_velocity": axle,
+            "suspension_travel": vehicle[:, BODY - 1] - vehicle[:, AXLE - 1],
+            "suspension_velocity": velocity,
+            "body_acceleration": rates[BODY], "axle_acceleration": rates[AXLE],
+            "tire_force": now.force, "tire_force_rate": change,
+            "position": self.plan.edges[:here, k, :1], "speed": self.speeds[:here, np.newaxis],
+        }  # fmt: skip
+
+    def _advance(self, now: Ends, steps: Steps, k: int, *, on_bridge: bool) -> None:
+        """One step: states, forces, moment and what is gathered of them."""
+        here, n_states = len(now.force), steps.free.shape[-1]
+        duration = steps.durations[:here, k, np.newaxis]
+        road = self._road(steps, k, now.force.shape)
+        free = steps.free[:here, k] @ now.states[:, :n_states]
+        forced = steps.forced[:here, k]
+        damping = [self._lagged(now, share * duration) for share in STAGES]
+        known = free[:, :4]
+        known[:, TIRE] -= road[:, :2]
+        values, forces = known, np.empty_like(known)
+        for attempt in range(SUBSTITUTIONS):
+            if attempt:
+                values = known + forced[:, :4] @ forces
+            self._tire_force(values[:, TIRE], forces[:, TIRE])
+            for stage, c in enumerate(damping):
+                forces[:, 2 + stage] = self.damper_force(c, values[:, 2 + stage])
+        free[:, 4:] += forced[:, 4:] @ forces
+        now.states[:, 1:n_states] = free[:, STATES:]
+        free[:, [st.MIDDLE, st.END]] -= road[:, 2:]
+        middle, end = (self._tire_force(free[:, row], free[:, row]) for row in (st.MIDDLE, st.END))
+        now.force[:] = end
+        np.minimum(now.least, np.minimum(middle, end) / self.weight, out=now.least)
+        power = (forces[:, st.DAMPER] * values[:, st.DAMPER]).mean(axis=1)
+        now.energy += duration * power
+        now.damping[:] = self._lagged(now, duration)
+        if on_bridge:
+            influence = steps.influence[:here, k]
+            middle = influence[:, 0] * middle + free[:, st.MOMENT_MIDDLE]
+            end = influence[:, 1] * end + free[:, st.MOMENT_END]
+            _raise_peak(now.peak, now.moment, middle, end)
+            now.moment[:] = end
+
+    def _road(self, steps: Steps, k: int, shape: tuple[int, ...]) -> FloatArray:
+        """Road r at stages, middle and end, (S, 4, R)."""
+        piece = steps.piece[: shape[0], k]
+        before = self.drops[piece, : shape[1]][:, np.newaxis]
+        after = self.drops[piece + 1, : shape[1]][:, np.newaxis]
+        return before + steps.share[: shape[0], k] * (after - before)
+
+    def _tire_force(self, closer: FloatArray, out: FloatArray) -> FloatArray:
+        """R = W + K_t (y_t - v - r) >= 0, Eq. (2), of y_t - v - r."""
+        np.multiply(closer, self.stiffness, out=out)
+        out += self.weight
+        return np.maximum(out, 0.0, out=out)
+
+    def damper_force(self, damping: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Force of the damper [N], kept within its limit."""
         force = damping * velocity
         limit = self.damper.max_force
         return force if limit == np.inf else np.clip(force, -limit, limit)
 
-    def _tire_force(self, state: FloatArray, road: FloatArray, shapes: FloatArray) -> FloatArray:
-        """R = W + K_t (y_t - v - r) >= 0, Eq. (2)."""
-        closer = state[AXLE - 1] - road
-        closer -= np.einsum("jsr,jst->sr", state[self.n :: 2], shapes)
-        closer *= self.stiffness
-        closer += self.weight
-        return np.maximum(closer, 0.0, out=closer)
-
-    def _moment(self, plan: _Plan, k: int, state: FloatArray, force: FloatArray) -> FloatArray:
-        from_states = plan.per_state @ state.reshape(len(state), -1)
-        return plan.per_force[: len(force), k] * force + from_states.reshape(force.shape)
-
-    def _lagged(self, damping: FloatArray, command: FloatArray, duration: FloatArray) -> FloatArray:
+    def _lagged(self, now: Ends, duration: FloatArray) -> FloatArray:
+        """Damping some time after the last known one."""
         if self.damper.lag == 0:
-            return damping
-        return command + (damping - command) * np.exp(-duration / self.damper.lag)
+            return now.damping
+        return now.command + (now.damping - now.command) * np.exp(-duration / self.damper.lag)
 
-    def _signals(
-        self,
-        state: FloatArray,
-        damping: FloatArray,
-        force: FloatArray,
-        place: float,
-        speed: float,
-        rng: np.random.Generator,
-    ) -> FloatArray:
-        """What the controller measures of one speed, (len(SIGNALS), n_roads)."""
-        vehicle = state[: self.n]
-        velocity = vehicle[BODY] - vehicle[AXLE]
-        rates = self.free[: self.n, : self.n] @ vehicle
-        rates += self.of_tire[:, np.newaxis] * (force - self.weight)
-        rates += self.of_force[: self.n, np.newaxis] * self._force(damping, velocity)
-        values = {
-            "body_velocity": vehicle[BODY], "axle_velocity": vehicle[AXLE],
-            "suspension_travel": vehicle[BODY - 1] - vehicle[AXLE - 1],
-            "suspension_velocity": velocity,
-            "body_acceleration": rates[BODY], "axle_acceleration": rates[AXLE],
-            "tire_force": force, "position": np.full_like(force, place),
-            "speed": np.full_like(force, speed),
-        }  # fmt: skip
-        signals = np.array([values[name] for name in SIGNALS])
-        if self.damper.velocity_noise:
-            for name in ("body_velocity", "axle_velocity"):
-                noise = rng.normal(0.0, self.damper.velocity_noise, force.shape)
-                signals[SIGNALS.index(name)] += noise
-            rate = SIGNALS.index("suspension_velocity")
-            signals[rate] = signals[0] - signals[1]
-        return signals
+    def _histories(self) -> tuple[dict[str, FloatArray], ...]:
+        every = {name: np.array(kept) for name, kept in self.kept.items()}
+        return tuple(
+            {name: values[first:last, i].T.copy() for name, values in every.items()}
+            for i, (first, last) in enumerate(zip(self.plan.first, self.plan.last, strict=True))
+        )
+
+
+def _view(now: Ends, n_speeds: int, n_roads: int) -> Ends:
+    """The slowest speeds and the first roads of a state."""
+    return Ends(**{k: v[:n_speeds, ..., :n_roads] for k, v in vars(now).items()})
+
+
+def _raise_peak(peak: FloatArray, start: FloatArray, middle: FloatArray, end: FloatArray) -> None:
+    """Raise the largest moments by the parabolas through a step's start, middle and end."""
+    np.maximum(peak, middle, out=peak)
+    np.maximum(peak, end, out=peak)
+    near = middle > peak - CLOSE
+    if near.any():
+        first, at, last = start[near], middle[near], end[near]
+        bend, slope = 2 * at - first - last, last - first
+        inside = np.abs(slope) < 2 * bend
+        rise = np.divide(slope**2, 8 * bend, out=np.zeros_like(bend), where=inside)
+        peak[near] = np.maximum(peak[near], np.where(inside, at + rise, at))

@@ -93,12 +93,13 @@ def continuous_skyhook(
 def groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy:
     """Return the inertial on-off groundhook: c_max where -y_t' v > 0, c_min elsewhere.
 
-    It holds the axle against the ground as the skyhook holds the body against the sky. Valasek's
-    meaning, the axle against the surface that the tire meets, needs that surface's velocity.
+    It holds the axle against the ground as the skyhook holds the body against the sky, in the
+    inertial meaning of C. A. Pare and M. Ahmadian. Valasek's meaning, the axle against the surface
+    that the tire meets, is `tire_groundhook`.
 
     References
     ----------
-    M. Valasek, M. Novak, Z. Sika, O. Vaculin, Veh. Syst. Dyn. 27 (1997) 289-303.
+    Both meanings: Machines 13 (2025) 727, Sections 3.1.1 and 3.1.2.
 
     Examples
     --------

@@ -8,6 +8,7 @@ differentiation and C export.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from copy import copy
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl.crossing import Crossing
 
 SIGNALS = (
     "body_velocity",
@@ -29,12 +31,15 @@ SIGNALS = (
     "body_acceleration",
     "axle_acceleration",
     "tire_force",
+    "tire_force_rate",
     "position",
     "speed",
 )
-"""What a strategy may measure: m/s, m/s, m, m/s, m/s^2, m/s^2, N, m from the bridge's start, m/s.
+"""What a strategy may measure: m/s, m/s, m, m/s, m/s^2, m/s^2, N, N/s, m from the bridge's start,
+m/s.
 
-Displacements are positive downward, the suspension's are body minus axle, as in the crossing.
+Displacements are positive downward, the suspension's are body minus axle, as in the crossing. The
+rate of the tire force is its change since the last sample over the sample time (0 at the first).
 """
 
 LARGEST = 1e12
@@ -134,15 +139,36 @@ class Strategy:
         if unknown := set(values) - set(self.bounds):
             known = ", ".join(self.bounds) or "none"
             raise ValueError(f"{self.name} has no gain {sorted(unknown)[0]!r}, its gains: {known}")
-        changed = {
-            key: (values.get(key, value), low, high)
+        changed = copy(self)
+        changed.bounds = {
+            key: _gain(key, (values.get(key, value), low, high))
             for key, (value, low, high) in self.bounds.items()
         }
-        return type(self)(self.name, self.law, self.c_min, self.c_max, changed)
+        changed.gains = {key: value[0] for key, value in changed.bounds.items()}
+        return changed
 
     def for_speed(self, speed: float) -> Strategy:
         """Return the law at a speed [m/s]: itself, but for strategies that depend on it."""
         return self
+
+    def gains_for(
+        self, crossing: Crossing, speeds: FloatArray, stations: FloatArray, elevations: FloatArray
+    ) -> Mapping[str, FloatArray]:
+        """Return gains that each crossing has its own value of, by name: none but for a `preset`.
+
+        Parameters
+        ----------
+        crossing : Crossing
+            Beam, vehicle and section.
+        speeds, stations, elevations : ndarray, shapes (S,), (n,) and (R, n)
+            Speeds [m/s], stations and elevations of the roads [m].
+
+        Returns
+        -------
+        mapping
+            To arrays of shape (S, R).
+        """
+        return {}
 
     @cached_property
     def function(self) -> ca.Function:
@@ -184,11 +210,18 @@ class Strategy:
         rows = np.zeros((len(SIGNALS), int(np.prod(shape))))
         for name, values in zip(signals, given, strict=True):
             rows[SIGNALS.index(name)] = values.ravel()
-        return self.evaluator(rows.shape[1])(rows).reshape(shape)
+        return self.evaluate(rows).reshape(shape)
 
-    def evaluator(self, count: int) -> Evaluator:
-        """Return what evaluates the command for signals of shape (len(SIGNALS), count), fast."""
-        return Evaluator(self, count)
+    def evaluate(self, rows: FloatArray, gains: FloatArray | None = None) -> FloatArray:
+        """Evaluate the command by CasADi, case by case.
+
+        `rows` has the `SIGNALS`, shape (n_signals, count), and `gains` the gains of each case,
+        (n_gains, count), by default the strategy's own.
+        """
+        if gains is None:
+            gains = np.tile([[value] for value in self.gains.values()], (1, rows.shape[1]))
+        command: Any = self.function.map(rows.shape[1])(rows, gains)
+        return no_nan(self.name, command.full().ravel())
 
     def system(self, speed: float) -> control.NonlinearIOSystem:
         """Return the strategy as an I/O block for `control.interconnect` with a crossing.
@@ -255,39 +288,14 @@ class Strategy:
         return file
 
 
-class Evaluator:
-    """A strategy's command for a fixed number of cases at once, without copies by CasADi."""
-
-    def __init__(self, strategy: Strategy, count: int) -> None:
-        self.name = strategy.name
-        # CasADi keeps the addresses of these arrays, not the arrays.
-        self.signals = np.zeros((count, len(SIGNALS)))
-        self.gains = np.tile(np.array([*strategy.gains.values()]), (count, 1))
-        self.result = np.empty(count)
-        self.mapped = strategy.function.map(count)
-        buffer: Any
-        buffer, self.call = self.mapped.buffer()
-        self.buffer = buffer
-        buffer.set_arg(0, _view(self.signals))
-        if self.gains.size:
-            buffer.set_arg(1, _view(self.gains))
-        buffer.set_res(0, _view(self.result))
-
-    def __call__(self, signals: FloatArray) -> FloatArray:
-        """Return the command [N s/m], shape (count,)."""
-        self.signals[:] = signals.T
-        self.call()
-        if np.isnan(self.result).any():
-            raise ValueError(
-                f"the law of {self.name} returned NaN: guard divisions, for example by "
-                "ca.if_else(ca.fabs(s.suspension_velocity) < 1e-6, ...)"
-            )
-        return self.result.copy()
-
-
-def _view(array: FloatArray) -> Any:
-    flat: Any = array.reshape(-1)
-    return memoryview(flat)
+def no_nan(name: str, command: FloatArray) -> FloatArray:
+    """Return the commands of a law, if all are numbers."""
+    if np.isnan(command).any():
+        raise ValueError(
+            f"the law of {name} returned NaN: guard divisions, for example by "
+            "ca.if_else(ca.fabs(s.suspension_velocity) < 1e-6, ...)"
+        )
+    return command
 
 
 def _gain(name: str, value: Any) -> tuple[float, float, float]:

@@ -1,0 +1,176 @@
+"""A strategy's command for many speeds and roads at once: its CasADi expression on numpy arrays.
+
+CasADi evaluates an expression case by case. Here each of its operations is done for all cases
+before the next one, on arrays of signals that broadcast: twenty times faster for some thousand
+cases, and what depends on position or speed alone is computed once for all roads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bridgectl._checks import FloatArray
+
+from .strategy import SIGNALS, Strategy, no_nan
+
+Operation = Callable[..., Any]
+
+OPERATIONS: dict[int, Operation] = {
+    ca.OP_ASSIGN: lambda a: a,
+    ca.OP_ADD: np.add,
+    ca.OP_SUB: np.subtract,
+    ca.OP_MUL: np.multiply,
+    ca.OP_DIV: np.divide,
+    ca.OP_NEG: np.negative,
+    ca.OP_EXP: np.exp,
+    ca.OP_LOG: np.log,
+    ca.OP_POW: np.power,
+    ca.OP_CONSTPOW: np.power,
+    ca.OP_SQRT: np.sqrt,
+    ca.OP_SQ: np.square,
+    ca.OP_TWICE: lambda a: 2.0 * a,
+    ca.OP_SIN: np.sin,
+    ca.OP_COS: np.cos,
+    ca.OP_TAN: np.tan,
+    ca.OP_ASIN: np.arcsin,
+    ca.OP_ACOS: np.arccos,
+    ca.OP_ATAN: np.arctan,
+    ca.OP_ATAN2: np.arctan2,
+    ca.OP_SINH: np.sinh,
+    ca.OP_COSH: np.cosh,
+    ca.OP_TANH: np.tanh,
+    ca.OP_INV: lambda a: 1.0 / a,
+    ca.OP_FABS: np.abs,
+    ca.OP_SIGN: np.sign,
+    ca.OP_FLOOR: np.floor,
+    ca.OP_CEIL: np.ceil,
+    ca.OP_FMOD: np.fmod,
+    ca.OP_COPYSIGN: np.copysign,
+    ca.OP_FMIN: np.fmin,
+    ca.OP_FMAX: np.fmax,
+    # Truth is 1.0 in CasADi, and counts as a number.
+    ca.OP_LT: lambda a, b: np.multiply(np.less(a, b), 1.0),
+    ca.OP_LE: lambda a, b: np.multiply(np.less_equal(a, b), 1.0),
+    ca.OP_EQ: lambda a, b: np.multiply(np.equal(a, b), 1.0),
+    ca.OP_NE: lambda a, b: np.multiply(np.not_equal(a, b), 1.0),
+    ca.OP_NOT: lambda a: np.multiply(np.logical_not(a), 1.0),
+    ca.OP_AND: lambda a, b: np.multiply(np.logical_and(a, b), 1.0),
+    ca.OP_OR: lambda a, b: np.multiply(np.logical_or(a, b), 1.0),
+    ca.OP_IF_ELSE_ZERO: lambda a, b: np.where(a, b, 0.0),
+}
+"""What CasADi's operations are on arrays."""
+
+
+class BatchLaw:
+    """The command of a strategy for arrays of signals, one row a speed.
+
+    Parameters
+    ----------
+    strategy : Strategy
+        The strategy.
+    speeds : sequence of float
+        Speed of each row [m/s]; see `Strategy.for_speed`.
+    gains : mapping, optional
+        Gains that differ between cases, by name, shape (speeds, roads); see `Strategy.gains_for`.
+    """
+
+    def __init__(
+        self,
+        strategy: Strategy,
+        speeds: Sequence[float],
+        gains: Mapping[str, FloatArray] | None = None,
+    ) -> None:
+        self.name, self.own_gains = strategy.name, dict(gains or {})
+        at_speeds = [strategy.for_speed(float(speed)) for speed in speeds]
+        self.laws = at_speeds[:1] if all(law is strategy for law in at_speeds) else at_speeds
+        self.steps = _merged([law.function for law in self.laws])
+
+    def __call__(self, signals: Mapping[str, ArrayLike]) -> FloatArray:
+        """Return the command [N s/m].
+
+        Parameters
+        ----------
+        signals : mapping
+            Arrays by name, of shapes that broadcast together; the laws of several speeds take
+            the first so many rows.
+
+        Returns
+        -------
+        ndarray
+            Of the shape that the signals broadcast to.
+
+        Raises
+        ------
+        ValueError
+            If the law returns NaN.
+        """
+        shape = np.broadcast_shapes(*(np.shape(value) for value in signals.values()))
+        if self.steps is None:
+            return self._one_by_one(signals, shape)
+        with np.errstate(all="ignore"):  # a branch that is not taken may divide by zero
+            return no_nan(self.name, self._together(signals, shape))
+
+    def _together(self, signals: Mapping[str, ArrayLike], shape: tuple[int, ...]) -> FloatArray:
+        """Operation after operation, for all cases."""
+        inputs = [[signals[name] for name in SIGNALS], self._gains(shape)]
+        work: dict[int, Any] = {}
+        result: Any = np.nan
+        for operation, takes, gives, constant in self.steps or []:
+            if operation == ca.OP_CONST:
+                several = len(constant) > 1
+                work[gives[0]] = constant[: shape[0], np.newaxis] if several else constant[0]
+            elif operation == ca.OP_INPUT:
+                work[gives[0]] = inputs[takes[0]][takes[1]]
+            elif operation == ca.OP_OUTPUT:
+                result = work[takes[0]]
+            else:
+                work[gives[0]] = OPERATIONS[operation](*(work[k] for k in takes))
+        return np.broadcast_to(result, shape)
+
+    def _one_by_one(self, signals: Mapping[str, ArrayLike], shape: tuple[int, ...]) -> FloatArray:
+        """Case by case in CasADi, for operations that are not among those above."""
+        cases = [*(signals[name] for name in SIGNALS), *self._gains(shape)]
+        rows = np.array([np.broadcast_to(case, shape) for case in cases])
+        several = np.moveaxis(rows, 1, 0) if len(self.laws) > 1 else [rows]
+        each = zip(self.laws, several, strict=False)
+        n = len(SIGNALS)
+        found = [
+            law.evaluate(*np.split(row.reshape(len(rows), -1), [n])).reshape(row.shape[1:])
+            for law, row in each
+        ]
+        return np.array(found) if len(self.laws) > 1 else found[0]
+
+    def _gains(self, shape: tuple[int, ...]) -> list[Any]:
+        """Values of the gains, of those cases that are asked for."""
+        here = tuple(slice(0, size) for size in shape)
+        own = {name: values[here] for name, values in self.own_gains.items()}
+        return [own.get(name, value) for name, value in self.laws[0].gains.items()]
+
+
+_Step = tuple[int, Any, Any, FloatArray]
+
+
+def _merged(functions: Sequence[ca.Function]) -> list[_Step] | None:
+    """Operations of functions that differ in their constants alone; None where they do not."""
+    first, *others = [[_step(f, k) for k in range(f.n_instructions())] for f in functions]
+    alike = all([step[:3] for step in other] == [step[:3] for step in first] for other in others)
+    special = {ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT}
+    if not alike or not {step[0] for step in first} <= special | set(OPERATIONS):
+        return None
+    merged = []
+    for k, (operation, takes, gives, constant) in enumerate(first):
+        every = np.array([constant, *(other[k][3] for other in others)])
+        same = bool(np.all(every == constant) or np.isnan(every).all())
+        merged.append((operation, takes, gives, every[:1] if same else every))
+    return merged
+
+
+def _step(function: ca.Function, k: int) -> tuple[int, Any, Any, float]:
+    operation = function.instruction_id(k)
+    constant = function.instruction_constant(k) if operation == ca.OP_CONST else 0.0
+    return operation, function.instruction_input(k), function.instruction_output(k), constant

@@ -1,0 +1,173 @@
+"""What the rest of the package asks of crossings with a damper: responses, DAFs, ramp surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from bridgectl._checks import FloatArray
+from bridgectl._threads import on_one_thread
+from bridgectl.crossing import Crossing
+from bridgectl.propagator import merge_places
+from bridgectl.ramps import FeedbackHistories
+from bridgectl.simulation import Run
+
+from .actuator import Damper, as_damper, bare_vehicle
+from .closed_loop import Ends, Loop, LoopResult, simulate_loop
+from .steps import SUSPENSION
+from .strategy import Strategy
+
+
+def damped_dafs(run: Run, damper: Damper | Strategy, speeds: FloatArray) -> FloatArray:
+    """Return the DAF of one road at some speeds [m/s], shape (n_speeds,)."""
+    crossing, x = run.crossing, _stations(run, np.zeros(0))
+    found = simulate_loop(
+        crossing.beam, bare_vehicle(crossing.vehicle), damper, speeds, x, -run.road(x)[:, 0],
+        section=crossing.section, recovery=crossing.recovery,
+    )  # fmt: skip
+    return found.daf[:, 0]
+
+
+@on_one_thread
+def damped_response(
+    run: Run, damper: Damper | Strategy, asked: FloatArray
+) -> tuple[Run, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return places, states, tire forces and damper forces of one crossing.
+
+    Parameters
+    ----------
+    run : Run
+        The crossing and its road.
+    damper : Damper or Strategy
+        The damper.
+    asked : ndarray
+        Places [m] that are wanted; by default the ends of all steps.
+
+    Returns
+    -------
+    run : Run
+        The same without the vehicle's own damper.
+    positions, states, forces, damper : ndarray, shapes (m,), (n, m), (1, m), (1, m)
+    """
+    crossing = _bare(run.crossing)
+    x = _stations(run, asked)
+    loop = Loop(crossing, as_damper(damper), np.array([crossing.speed]), x, -run.road(x).T)
+    places: list[float] = [x[0]]
+    states: list[FloatArray] = [np.zeros(crossing.n_states)]
+    forces, dampings = [loop.weight], [0.0]
+
+    def keep(now: Ends, place: float) -> None:
+        places.append(place)
+        states.append(now.states[0, 1:, 0].copy())
+        forces.append(now.force[0, 0])
+        dampings.append(now.damping[0, 0])
+
+    loop.run(keep)
+    every, columns = np.array(places), np.array(states).T
+    wanted = asked if asked.size else every
+    index = np.minimum(np.searchsorted(every, wanted - 1e-9), every.size - 1)
+    columns = columns[:, index]
+    velocity = SUSPENSION @ columns[: crossing.n_vehicle]
+    force = loop.damper_force(np.array(dampings)[index], velocity)
+    tires = np.array(forces)[np.newaxis, index]
+    return run._replace(crossing=crossing), wanted, columns, tires, force[np.newaxis]
+
+
+class RampsAndRoads(NamedTuple):
+    """DAFs of a smooth road, of unit ramps and of roads, from one run."""
+
+    smooth: FloatArray
+    """Shape (n_speeds,)."""
+    unit: FloatArray
+    """DAF of a ramp at every place, shape (n_speeds, n_ramps)."""
+    roads: LoopResult
+    """Of the roads, with what was recorded."""
+
+
+def ramp_dafs(
+    crossing: Crossing,
+    damper: Damper | Strategy,
+    speeds: FloatArray,
+    edges: FloatArray,
+    height: float,
+) -> tuple[FloatArray, FloatArray, FeedbackHistories]:
+    """Return the DAF of a smooth road, of a ramp at every place, and what stands for histories.
+
+    Parameters
+    ----------
+    crossing : Crossing
+        The crossing; its speed does not count.
+    damper : Damper or Strategy
+        The damper.
+    speeds : ndarray, shape (n_speeds,)
+        Speeds [m/s].
+    edges : ndarray, shape (n_ramps + 1,)
+        Ends of the ramps [m].
+    height : float
+        Drop over a ramp [m].
+
+    Returns
+    -------
+    daf_smooth, daf_unit, histories : ndarray (n_speeds,), ndarray (n_speeds, n_ramps), object
+    """
+    device = as_damper(damper)
+    found = ramps_and_roads(crossing, device, speeds, edges, len(edges) - 1, height)
+    return found.smooth, found.unit, FeedbackHistories(device.strategy.name)
+
+
+@on_one_thread
+def ramps_and_roads(
+    crossing: Crossing,
+    damper: Damper,
+    speeds: FloatArray,
+    stations: FloatArray,
+    n_ramps: int,
+    height: float,
+    roads: FloatArray | None = None,
+    record: tuple[str, ...] = (),
+) -> RampsAndRoads:
+    """Simulate unit ramps and roads side by side.
+
+    Parameters
+    ----------
+    crossing, damper, speeds, height
+        As `ramp_dafs`.
+    stations : ndarray, shape (n,)
+        Stations of the roads [m]; the first n_ramps + 1 are the ends of the ramps.
+    n_ramps : int
+        Number of ramps; 0 for none.
+    roads : ndarray, shape (n_roads, n), optional
+        Elevations of roads [m].
+    record : tuple of str, optional
+        Histories to keep of the roads: see `simulate_loop`.
+
+    Returns
+    -------
+    RampsAndRoads
+    """
+    whole = np.empty((0, len(stations))) if roads is None else roads
+    after = np.arange(len(stations)) > np.arange(n_ramps)[:, np.newaxis]
+    # A ramp's road is the smooth one, the first, until the ramp begins.
+    elevations = np.vstack([np.zeros((1, len(stations))), whole, -height * after])
+    first = 1 + len(whole)
+    begins = np.concatenate([np.full(first, stations[0]), stations[:n_ramps]])
+    order = np.argsort(speeds, kind="stable")
+    found = Loop(
+        _bare(crossing), damper, speeds[order], stations, elevations, record, slice(1, first),
+        begins,
+    ).run().of_speeds(np.argsort(order))  # fmt: skip
+    of_roads = found.of_roads(slice(1, first))
+    return RampsAndRoads(found.daf[:, 0], found.daf[:, first:], of_roads)
+
+
+def _stations(run: Run, asked: FloatArray) -> FloatArray:
+    """Where a road is straight between, and what is asked for [m]."""
+    own = np.zeros(0) if run.profile is None else run.profile.x
+    inside = own[(own > run.start) & (own < run.end)]
+    return merge_places(np.concatenate([[run.start, run.end], inside, asked]))
+
+
+def _bare(crossing: Crossing) -> Crossing:
+    return replace(crossing, vehicle=bare_vehicle(crossing.vehicle))

@@ -1,0 +1,91 @@
+"""The passive damper that is set once before each crossing, from speed and road."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
+from bridgectl.crossing import Crossing
+from bridgectl.surface import ramp_surface
+
+from .actuator import bare_vehicle
+from .strategy import Strategy
+
+
+class Preset(Strategy):
+    """The preset strategy; made by `preset`. Each crossing has its own damping."""
+
+    def __init__(self, c_min: float, c_max: float, n_dampings: int) -> None:
+        self.dampings = np.geomspace(c_min, c_max, n_dampings)
+        bounds = {"damping": (float(self.dampings[0]), float(c_min), float(c_max))}
+        super().__init__("preset", lambda s, g: g.damping + 0 * s.speed, c_min, c_max, bounds)
+
+    def gains_for(
+        self, crossing: Crossing, speeds: FloatArray, stations: FloatArray, elevations: FloatArray
+    ) -> Mapping[str, FloatArray]:
+        """Return the damping of the smallest DAF of each crossing [N s/m], by superposition."""
+        last = int(np.searchsorted(stations, crossing.beam.length - 1e-9))
+        step = float(np.diff(stations).min())
+        if np.ptp(np.diff(stations)) > 1e-6:
+            even = stations[0] + step * np.arange(int((stations[last] - stations[0]) / step) + 1)
+            elevations = np.array([np.interp(even, stations, z) for z in elevations])
+            last = len(even) - 1
+        vehicle = bare_vehicle(crossing.vehicle)
+        dafs = [
+            ramp_surface(
+                crossing.beam, replace(vehicle, damping=float(c)), speeds,
+                approach=-float(stations[0]), ramp_length=step, ramp_height=min(step, 1e-3),
+                section=crossing.section, recovery=crossing.recovery,
+            ).superposed_daf(elevations[:, : last + 1])
+            for c in self.dampings
+        ]  # fmt: skip
+        best = np.argmin(dafs, axis=0)
+        return {"damping": self.dampings[best].T}
+
+
+def preset(c_min: float, c_max: float, *, n_dampings: int = 9) -> Preset:
+    """Return the passive damper whose damping is chosen before each crossing.
+
+    From the ramp surfaces of `n_dampings` dampings, evenly spaced in ratio, it takes the one
+    whose superposed DAF is least for the speed and the road at hand, which must be known:
+
+        c = argmin over c of max over t of M(t; c),  M = M_smooth + sum_i s(i) M_i
+
+    It cannot react to anything during the crossing. Its gain `damping` [N s/m] is what counts
+    where no crossing is known, as in C export.
+
+    Parameters
+    ----------
+    c_min, c_max : float
+        Bounds of the damping [N s/m].
+    n_dampings : int, optional
+        How many dampings it chooses from.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not what is described above.
+
+    References
+    ----------
+    N. K. Harris, E. J. OBrien, A. Gonzalez, J. Sound Vib. 302 (2007) 471-485.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.dampers import passive, preset, simulate_loop
+    >>> road = bc.iso8608_profile("B", 25, seed=1)
+    >>> dafs = [
+    ...     simulate_loop(bc.li2006.beam(), bc.li2006.car(), law, 25.0, road.x, road.elevation).daf
+    ...     for law in (preset(1e3, 30e3), passive(7e3))
+    ... ]
+    >>> bool(dafs[0] < dafs[1])
+    True
+    """
+    soft = check.positive("c_min", c_min, unit="N s/m")
+    stiff = check.positive("c_max", c_max, unit="N s/m")
+    return Preset(soft, stiff, check.integer("n_dampings", n_dampings, at_least=2))

@@ -1,0 +1,259 @@
+"""Steps of a crossing with a damper in the loop: where they begin and end, and their matrices.
+
+Between samples of the controller a crossing is cut at the stations of the road, the section and
+the ends of the bridge. Within a step vehicle and modes move freely and exactly; the tire force R
+and the damper force F are straight lines through two Gauss points (the stages), and the road under
+the tire is one too. With u = y_t - v at the stages and w = y_s' - y_t',
+
+    u = u_free + C_uR R + C_uF F,    R = max(0, W + K_t (u - r)),     Eq. (2)
+    w = w_free + C_wR R + C_wF F,    F = c w
+
+which a few substitutions solve, since the masses hardly move within a step: C is small. A tire
+that leaves the road and a limit of the damper force need no other equations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from bridgectl._checks import FloatArray
+from bridgectl.crossing import Crossing
+from bridgectl.propagator import SAME_PLACE, hold_responses, mode_matrices
+
+STAGES = (np.polynomial.legendre.leggauss(2)[0] + 1) / 2
+"""Gauss points of a step, as fractions of it."""
+
+POINTS = np.array([*STAGES, 0.5, 1.0])
+"""Where a step's responses are needed: stages, middle, end."""
+
+MAX_PHASE = 0.15
+"""Largest advance of phase of the vehicle's fastest motion in a step [rad]."""
+
+SUSPENSION = np.array([0.0, 1.0, 0.0, -1.0])
+"""Suspension velocity y_s' - y_t' of a quarter-car's states."""
+
+TIRE, DAMPER = slice(0, 2), slice(2, 4)
+"""Rows of u and of w at the stages, and columns of R and of F."""
+
+MIDDLE, END, MOMENT_MIDDLE, MOMENT_END, STATES = 4, 5, 6, 7, 8
+"""Rows of u and of the states' share of the moment at middle and end; first of the states."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Rounds from sample to sample, at each speed its own, in steps; S speeds in rising order.
+
+    All speeds enter the bridge in the same round: the slowest start first and end last.
+    """
+
+    edges: FloatArray
+    """Ends of the steps [m], (S, rounds, steps + 1); steps that a speed has no use for are
+    empty."""
+    first: NDArray[np.intp]
+    """First round of each speed, (S,), falling."""
+    last: NDArray[np.intp]
+    """Round after the last of each speed, (S,), falling."""
+    entry: int
+    """The round in which the bridge is entered."""
+
+    def at_work(self, rounds: slice) -> int:
+        """How many of the speeds, counted from the slowest, are under way in some rounds."""
+        here = (self.first < rounds.stop) & (self.last > rounds.start)
+        return int(here.sum())
+
+
+def longest_step(crossing: Crossing, c_max: float) -> float:
+    """Return the longest duration of a step [s], for dampings up to c_max [N s/m]."""
+    vehicle = crossing.linear
+    stiffest = vehicle.state_matrix_on_tires() + np.outer(
+        vehicle.damper_input[:, 0], c_max * SUSPENSION
+    )
+    return float(MAX_PHASE / np.abs(np.linalg.eigvals(stiffest)).max())
+
+
+def make_plan(
+    crossing: Crossing, speeds: FloatArray, stations: FloatArray, sample_time: float, longest: float
+) -> Plan:
+    """Cut the way from the first to the last station into rounds and steps.
+
+    Parameters
+    ----------
+    crossing : Crossing
+        Whose bridge and section count; its speed does not.
+    speeds : ndarray, shape (S,)
+        Speeds [m/s], rising.
+    stations : ndarray
+        Stations of the road [m].
+    sample_time, longest : float
+        Duration of a round, longest duration of a step [s].
+    """
+    start, stop, span = stations[0], stations[-1], crossing.beam.length
+    places = np.unique([*stations, 0.0, crossing.section * span, span])
+    parts = np.arange(1, np.ceil(sample_time / longest)) * longest
+    lengths = speeds * sample_time
+    entries = np.floor(-start / lengths + SAME_PLACE).astype(np.intp)
+    counts = np.ceil((stop - start) / lengths - SAME_PLACE).astype(np.intp)
+    cuts = []
+    for length, speed, count in zip(lengths, speeds, counts, strict=True):
+        inner = (start + length * np.arange(count)[:, np.newaxis] + speed * parts).ravel()
+        every = np.unique(np.concatenate([places, inner]))
+        every = every[(every > start) & (every < stop)]
+        rounds = np.floor((every - start) / length + SAME_PLACE / length).astype(np.intp)
+        apart = np.append(np.diff(every) > SAME_PLACE, True)
+        apart &= np.abs(every - start - length * np.round((every - start) / length)) > SAME_PLACE
+        every, rounds = every[apart], rounds[apart]
+        cuts.append((every, rounds, np.arange(every.size) - np.searchsorted(rounds, rounds)))
+    most = max((int(rank.max(initial=-1)) for *_, rank in cuts), default=-1) + 1
+    entry = int(entries.max())
+    first = entry - entries
+    edges = np.full((len(speeds), int((first + counts).max()), most + 2), stop)
+    for i, (every, rounds, rank) in enumerate(cuts):
+        samples = np.minimum(start + lengths[i] * np.arange(counts[i] + 1), stop)
+        own = edges[i, first[i] : first[i] + counts[i]]
+        own[:, 0], own[:, 1:] = samples[:-1], samples[1:, np.newaxis]
+        own[rounds, rank + 1] = every
+    return Plan(edges, first, first + counts, entry)
+
+
+class Responses:
+    """Responses of vehicle and modes on their own to initial states and to held forces.
+
+    They are smooth functions of the duration of a step, and read from Chebyshev series.
+    """
+
+    def __init__(self, crossing: Crossing, longest: float) -> None:
+        phase = crossing.beam.omega[-1] * longest
+        n_terms = 16 + int(phase)  # beyond half the phase the series falls as fast as factorials
+        nodes = np.cos(np.pi * (np.arange(n_terms) + 0.5) / n_terms)
+        durations = (nodes[np.newaxis] + 1) / 2 * longest
+        vehicle = crossing.linear
+        inputs = np.hstack([vehicle.tire_input, vehicle.damper_input])
+        found = [
+            *hold_responses(vehicle.state_matrix, inputs, durations, STAGES, POINTS),
+            *hold_responses(
+                *mode_matrices(crossing, crossing.beam.n_modes), durations, STAGES, POINTS
+            ),
+        ]
+        to_series = np.linalg.inv(chebyshev.chebvander(nodes, n_terms - 1))
+        self.shapes = [values.shape[2:] for values in found]
+        self.series = [to_series @ values[0].reshape(n_terms, -1) for values in found]
+        self.longest = longest
+
+    def at(self, durations: FloatArray) -> list[FloatArray]:
+        """Return what `hold_responses` does, of vehicle and modes, for durations (S, K) [s]."""
+        places = 2 * durations.ravel() / self.longest - 1
+        values = chebyshev.chebvander(places, len(self.series[0]) - 1)
+        return [
+            (values @ series).reshape(*durations.shape, *shape)
+            for series, shape in zip(self.series, self.shapes, strict=True)
+        ]
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Matrices of K steps at each of S speeds, and what the road needs."""
+
+    free: FloatArray
+    """From [1, states], (S, K, rows, 1 + n)."""
+    forced: FloatArray
+    """From [R, F] at the stages, (S, K, rows, 4)."""
+    influence: FloatArray
+    """Moment per tire force at middle and end, (S, K, 2, 1)."""
+    durations: FloatArray
+    """Durations [s], (S, K)."""
+    piece: NDArray[np.intp]
+    """Piece of the road that each step runs on, (S, K)."""
+    share: FloatArray
+    """Fractions of that piece behind the stages, the middle and the end, (S, K, 4, 1)."""
+
+
+def make_steps(
+    crossing: Crossing,
+    responses: Responses,
+    speeds: FloatArray,
+    edges: FloatArray,
+    stations: FloatArray,
+    *,
+    on_bridge: bool,
+) -> Steps:
+    """Compute the matrices of steps.
+
+    Parameters
+    ----------
+    crossing : Crossing
+        Beam and vehicle; the vehicle's own damper counts as part of it.
+    responses : Responses
+        Of that crossing.
+    speeds : ndarray, shape (S,)
+        Speeds [m/s].
+    edges : ndarray, shape (S, rounds, steps + 1)
+        See `Plan`; K = rounds x steps.
+    stations : ndarray
+        Stations of the road [m].
+    on_bridge : bool
+        False where no step reaches the bridge: of the states the vehicle's alone count then.
+    """
+    begin, end = (e.reshape(len(edges), -1) for e in (edges[..., :-1], edges[..., 1:]))
+    durations = (end - begin) / speeds[:, np.newaxis]
+    x = begin[..., np.newaxis] + (end - begin)[..., np.newaxis] * POINTS
+    free_vehicle, held_vehicle, free_modes, held_modes = responses.at(durations)
+    n, vehicle = crossing.n_vehicle, crossing.linear
+    batch, n_modes = durations.shape, crossing.beam.n_modes if on_bridge else 0
+    n_states = n + 2 * n_modes
+    free = np.zeros((*batch, STATES + n_states, 1 + n_states))
+    forced = np.zeros((*batch, STATES + n_states, 4))
+    own, by = slice(1, n + 1), slice(STATES, STATES + n)
+    # Columns R and F: a tire, then a damper, each with its values at the stages.
+    held = np.moveaxis(held_vehicle, -1, -2).reshape(*batch, len(POINTS), n, 4)
+    hub, rate = vehicle.hubs[0], SUSPENSION
+    for rows, row in (([0, 1], hub), ([2, 3], rate)):
+        free[..., rows, own] = row @ free_vehicle[..., : len(rows), :, :]
+        forced[..., rows, :] = row @ held[..., : len(rows), :, :]
+    free[..., [MIDDLE, END], own] = hub @ free_vehicle[..., 2:, :, :]
+    forced[..., [MIDDLE, END], :] = hub @ held[..., 2:, :, :]
+    free[..., by, own], forced[..., by, :] = free_vehicle[..., 3, :, :], held[..., 3, :, :]
+    # The vehicle takes R - W.
+    free[..., 0] = -vehicle.static_loads[0] * forced[..., TIRE].sum(axis=-1)
+    if on_bridge:
+        _add_beam(crossing, free, forced, x, free_modes, held_modes)
+    gains = np.where(x[..., 2:] <= crossing.beam.length + SAME_PLACE, 1.0, 0.0)
+    influence = gains * crossing.rows(x[..., 2:]).per_force[..., 0]
+    free[..., [MOMENT_MIDDLE, MOMENT_END], :] *= gains[..., np.newaxis]
+    forced[..., [MOMENT_MIDDLE, MOMENT_END], :] *= gains[..., np.newaxis]
+    middle = np.clip(x[..., 2], stations[0], stations[-1])
+    piece = np.clip(np.searchsorted(stations, middle, side="right") - 1, 0, stations.size - 2)
+    share = (x - stations[piece][..., np.newaxis]) / np.diff(stations)[piece][..., np.newaxis]
+    return Steps(free, forced, influence[..., np.newaxis], durations, piece, share[..., np.newaxis])
+
+
+def _add_beam(
+    crossing: Crossing,
+    free: FloatArray,
+    forced: FloatArray,
+    x: FloatArray,
+    free_modes: FloatArray,
+    held_modes: FloatArray,
+) -> None:
+    """Add the modes to the rows and columns of steps on the bridge."""
+    shapes = crossing.beam.mode_shapes(x)
+    n, n_modes = crossing.n_vehicle, crossing.beam.n_modes
+    # Modal states at each point per value of R at each stage: (..., modes, points, 2, stages).
+    modal = held_modes[..., 0] * np.moveaxis(shapes[..., :2, :], -1, -2)[..., None, None, :]
+    for row, point in ((0, 0), (1, 1), (MIDDLE, 2), (END, 3)):
+        under = shapes[..., point, :, np.newaxis]
+        own = under * free_modes[..., point, 0, :]
+        free[..., row, n + 1 :] -= own.reshape(*own.shape[:-2], -1)
+        forced[..., row, TIRE] -= (under * modal[..., point, 0, :]).sum(axis=-2)
+    of_beam = crossing.rows(0.0).per_state[n:].reshape(n_modes, 2)
+    for row, point in ((MOMENT_MIDDLE, 2), (MOMENT_END, 3)):
+        own = np.einsum("ja,...jab->...jb", of_beam, free_modes[..., point, :, :])
+        free[..., row, n + 1 :] = own.reshape(*own.shape[:-2], -1)
+        forced[..., row, TIRE] = np.einsum("ja,...jai->...i", of_beam, modal[..., point, :, :])
+    for j in range(n_modes):
+        rows = slice(STATES + n + 2 * j, STATES + n + 2 * j + 2)
+        free[..., rows, n + 1 + 2 * j : n + 3 + 2 * j] = free_modes[..., j, 3, :, :]
+        forced[..., rows, TIRE] = modal[..., j, 3, :, :]
