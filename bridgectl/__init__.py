@@ -23,7 +23,7 @@ array([0.89 , 1.007, 1.039])
 """
 
 from importlib import import_module
-from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 from bridgectl import li2006
 from bridgectl.beam import Beam
@@ -45,13 +45,20 @@ from bridgectl.surface_file import SurfaceFileError, load_surface
 from bridgectl.trust import DaeTrust, dae_trust
 from bridgectl.vehicle import Vehicle
 
+if TYPE_CHECKING:
+    from bridgectl.scoreboard import Scoreboard
+    from bridgectl.scoring import score
+
 __version__ = "0.1.0"
 
 
-def __getattr__(name: str) -> ModuleType:
+def __getattr__(name: str) -> Any:
     """Load what is heavy when it is first used: the dampers bring CasADi."""
     if name in ("dampers", "extremes", "plots"):
         return import_module(f"bridgectl.{name}")
+    if name in ("Scoreboard", "score"):
+        module = {"Scoreboard": "scoreboard", "score": "scoring"}[name]
+        return getattr(import_module(f"bridgectl.{module}"), name)
     raise AttributeError(f"module 'bridgectl' has no attribute {name!r}")
 
 
@@ -64,6 +71,7 @@ __all__ = [
     "QuarterCar",
     "RampSurface",
     "RoadProfile",
+    "Scoreboard",
     "SurfaceFileError",
     "Vehicle",
     "convoy",
@@ -77,6 +85,7 @@ __all__ = [
     "ramp_surface",
     "read_profile",
     "read_tracks",
+    "score",
     "utia_road",
     "write_profile",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from numbers import Real
 from typing import Any
 
@@ -56,6 +57,14 @@ def integer(name: str, value: Any, *, at_least: int) -> int:
     if value < at_least:
         raise ValueError(f"{name} must be {at_least} or more, got {value}")
     return int(value)
+
+
+def workers(value: Any, most: int) -> int:
+    """Check a number of processes; by default one for each core, and no more than `most`."""
+    if value is None:
+        available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else None
+        value = available or os.cpu_count() or 1
+    return max(1, min(integer("workers", value, at_least=1), most))
 
 
 def array(

@@ -237,7 +237,9 @@ class Loop:
                         self._advance(view, steps, column, on_bridge=on_bridge)
                         observe(view, float(plan.edges[here - 1, k, step + 1]))
         self._follow(now, known, np.inf)
-        return LoopResult(now.peak, now.least, now.energy, now.switches, self._histories())
+        return LoopResult(
+            now.peak, now.least / self.weight, now.energy, now.switches, self._histories()
+        )
 
     def _start(self) -> Ends:
         shape = len(self.speeds), len(self.begins)
@@ -323,31 +325,31 @@ class Loop:
         road = self._road(steps, k, now.force.shape)
         free = steps.free[:here, k] @ now.states[:, :n_states]
         forced = steps.forced[:here, k]
-        damping = [self._lagged(now, share * duration) for share in STAGES]
-        known = free[:, :4]
-        known[:, TIRE] -= road[:, :2]
+        damping = self._lagged(now, duration[..., np.newaxis] * STAGES[:, np.newaxis])
+        known = free[:, : st.DAMPER.stop]
+        known[:, TIRE] -= road[:, TIRE]
         values, forces = known, np.empty_like(known)
         for attempt in range(SUBSTITUTIONS):
             if attempt:
-                values = known + forced[:, :4] @ forces
+                values = forced[:, : st.DAMPER.stop] @ forces
+                values += known
             self._tire_force(values[:, TIRE], forces[:, TIRE])
-            for stage, c in enumerate(damping):
-                forces[:, 2 + stage] = self.damper_force(c, values[:, 2 + stage])
-        free[:, 4:] += forced[:, 4:] @ forces
+            forces[:, st.DAMPER] = self.damper_force(damping, values[:, st.DAMPER])
+        free[:, st.DAMPER.stop :] += forced[:, st.DAMPER.stop :] @ forces
         now.states[:, 1:n_states] = free[:, STATES:]
-        free[:, [st.MIDDLE, st.END]] -= road[:, 2:]
-        middle, end = (self._tire_force(free[:, row], free[:, row]) for row in (st.MIDDLE, st.END))
+        tire = free[:, st.TIRE_LATER]
+        tire -= road[:, 2:]
+        middle, end = np.moveaxis(self._tire_force(tire, tire), 1, 0)
         now.force[:] = end
-        np.minimum(now.least, np.minimum(middle, end) / self.weight, out=now.least)
-        power = (forces[:, st.DAMPER] * values[:, st.DAMPER]).mean(axis=1)
-        now.energy += duration * power
-        now.damping[:] = self._lagged(now, duration)
+        np.minimum(now.least, np.minimum(middle, end), out=now.least)
+        power = forces[:, st.DAMPER] * values[:, st.DAMPER]
+        now.energy += duration * power.mean(axis=1)
+        now.damping[:] = self._lagged(now, duration[..., np.newaxis])[:, 0]
         if on_bridge:
-            influence = steps.influence[:here, k]
-            middle = influence[:, 0] * middle + free[:, st.MOMENT_MIDDLE]
-            end = influence[:, 1] * end + free[:, st.MOMENT_END]
-            _raise_peak(now.peak, now.moment, middle, end)
-            now.moment[:] = end
+            moment = free[:, st.MOMENT]
+            moment += steps.influence[:here, k] * tire
+            _raise_peak(now.peak, now.moment, *np.moveaxis(moment, 1, 0))
+            now.moment[:] = moment[:, 1]
 
     def _road(self, steps: Steps, k: int, shape: tuple[int, ...]) -> FloatArray:
         """Road r at stages, middle and end, (S, 4, R)."""
@@ -368,11 +370,13 @@ class Loop:
         limit = self.damper.max_force
         return force if limit == np.inf else np.clip(force, -limit, limit)
 
-    def _lagged(self, now: Ends, duration: FloatArray) -> FloatArray:
-        """Damping some time after the last known one."""
+    def _lagged(self, now: Ends, durations: FloatArray) -> FloatArray:
+        """Damping some durations (S, m, 1) after the last known one, (S, m or 1, R)."""
+        damping = now.damping[:, np.newaxis]
         if self.damper.lag == 0:
-            return now.damping
-        return now.command + (now.damping - now.command) * np.exp(-duration / self.damper.lag)
+            return damping
+        command = now.command[:, np.newaxis]
+        return command + (damping - command) * np.exp(-durations / self.damper.lag)
 
     def _histories(self) -> tuple[dict[str, FloatArray], ...]:
         every = {name: np.array(kept) for name, kept in self.kept.items()}

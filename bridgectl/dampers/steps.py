@@ -39,8 +39,8 @@ SUSPENSION = np.array([0.0, 1.0, 0.0, -1.0])
 TIRE, DAMPER = slice(0, 2), slice(2, 4)
 """Rows of u and of w at the stages, and columns of R and of F."""
 
-MIDDLE, END, MOMENT_MIDDLE, MOMENT_END, STATES = 4, 5, 6, 7, 8
-"""Rows of u and of the states' share of the moment at middle and end; first of the states."""
+TIRE_LATER, MOMENT, STATES = slice(4, 6), slice(6, 8), 8
+"""Rows of u and of the states' share of the moment at middle and end; first row of the states."""
 
 
 @dataclass(frozen=True)
@@ -210,11 +210,11 @@ def make_steps(
     # Columns R and F: a tire, then a damper, each with its values at the stages.
     held = np.moveaxis(held_vehicle, -1, -2).reshape(*batch, len(POINTS), n, 4)
     hub, rate = vehicle.hubs[0], SUSPENSION
-    for rows, row in (([0, 1], hub), ([2, 3], rate)):
-        free[..., rows, own] = row @ free_vehicle[..., : len(rows), :, :]
-        forced[..., rows, :] = row @ held[..., : len(rows), :, :]
-    free[..., [MIDDLE, END], own] = hub @ free_vehicle[..., 2:, :, :]
-    forced[..., [MIDDLE, END], :] = hub @ held[..., 2:, :, :]
+    for rows, row in ((TIRE, hub), (DAMPER, rate)):
+        free[..., rows, own] = row @ free_vehicle[..., :2, :, :]
+        forced[..., rows, :] = row @ held[..., :2, :, :]
+    free[..., TIRE_LATER, own] = hub @ free_vehicle[..., 2:, :, :]
+    forced[..., TIRE_LATER, :] = hub @ held[..., 2:, :, :]
     free[..., by, own], forced[..., by, :] = free_vehicle[..., 3, :, :], held[..., 3, :, :]
     # The vehicle takes R - W.
     free[..., 0] = -vehicle.static_loads[0] * forced[..., TIRE].sum(axis=-1)
@@ -222,8 +222,8 @@ def make_steps(
         _add_beam(crossing, free, forced, x, free_modes, held_modes)
     gains = np.where(x[..., 2:] <= crossing.beam.length + SAME_PLACE, 1.0, 0.0)
     influence = gains * crossing.rows(x[..., 2:]).per_force[..., 0]
-    free[..., [MOMENT_MIDDLE, MOMENT_END], :] *= gains[..., np.newaxis]
-    forced[..., [MOMENT_MIDDLE, MOMENT_END], :] *= gains[..., np.newaxis]
+    free[..., MOMENT, :] *= gains[..., np.newaxis]
+    forced[..., MOMENT, :] *= gains[..., np.newaxis]
     middle = np.clip(x[..., 2], stations[0], stations[-1])
     piece = np.clip(np.searchsorted(stations, middle, side="right") - 1, 0, stations.size - 2)
     share = (x - stations[piece][..., np.newaxis]) / np.diff(stations)[piece][..., np.newaxis]
@@ -243,13 +243,13 @@ def _add_beam(
     n, n_modes = crossing.n_vehicle, crossing.beam.n_modes
     # Modal states at each point per value of R at each stage: (..., modes, points, 2, stages).
     modal = held_modes[..., 0] * np.moveaxis(shapes[..., :2, :], -1, -2)[..., None, None, :]
-    for row, point in ((0, 0), (1, 1), (MIDDLE, 2), (END, 3)):
+    for row, point in ((0, 0), (1, 1), (4, 2), (5, 3)):
         under = shapes[..., point, :, np.newaxis]
         own = under * free_modes[..., point, 0, :]
         free[..., row, n + 1 :] -= own.reshape(*own.shape[:-2], -1)
         forced[..., row, TIRE] -= (under * modal[..., point, 0, :]).sum(axis=-2)
     of_beam = crossing.rows(0.0).per_state[n:].reshape(n_modes, 2)
-    for row, point in ((MOMENT_MIDDLE, 2), (MOMENT_END, 3)):
+    for row, point in ((6, 2), (7, 3)):
         own = np.einsum("ja,...jab->...jb", of_beam, free_modes[..., point, :, :])
         free[..., row, n + 1 :] = own.reshape(*own.shape[:-2], -1)
         forced[..., row, TIRE] = np.einsum("ja,...jai->...i", of_beam, modal[..., point, :, :])

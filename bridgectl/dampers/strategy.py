@@ -108,11 +108,9 @@ class Strategy:
         c_max: float,
         gains: Mapping[str, tuple[float, float, float]] | None = None,
     ) -> None:
-        if not isinstance(name, str) or not name:
-            raise TypeError(f'name must be a string, got {name!r}: type for example "skyhook"')
         if not callable(law):
             raise TypeError(f"law must be a function law(s, g), got {type(law).__name__}")
-        self.name, self.law = name, law
+        self.name, self.law = _name(name), law
         self.c_min = check.not_negative("c_min", c_min, unit="N s/m")
         self.c_max = check.positive("c_max", c_max, unit="N s/m")
         if self.c_min > self.c_max:
@@ -127,6 +125,12 @@ class Strategy:
     def __repr__(self) -> str:
         gains = "".join(f", {key}={value:g}" for key, value in self.gains.items())
         return f"Strategy({self.name!r}, c from {self.c_min:g} to {self.c_max:g} N s/m{gains})"
+
+    def renamed(self, name: str) -> Strategy:
+        """Return the strategy under another name."""
+        other = copy(self)
+        other.name = _name(name)
+        return other
 
     def with_gains(self, **values: float) -> Strategy:
         """Return the strategy with other values of some gains.
@@ -296,6 +300,12 @@ def no_nan(name: str, command: FloatArray) -> FloatArray:
             "ca.if_else(ca.fabs(s.suspension_velocity) < 1e-6, ...)"
         )
     return command
+
+
+def _name(name: Any) -> str:
+    if not isinstance(name, str) or not name:
+        raise TypeError(f'name must be a string, got {name!r}: type for example "skyhook"')
+    return name
 
 
 def _gain(name: str, value: Any) -> tuple[float, float, float]:

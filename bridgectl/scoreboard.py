@@ -1,0 +1,256 @@
+"""The scoreboard: what `bridgectl.score` finds, its means over roads, and how sure they are."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
+from bridgectl.beam import Beam
+from bridgectl.quarter_car import QuarterCar
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+MEASURES = {
+    "daf": "dynamic amplification factor [-]",
+    "dae": "dynamic amplification estimate [-]",
+    "dynamic_load_coefficient": "dynamic load coefficient [-]",
+    "tire_force_95": "95th percentile of the tire force over the static load [-]",
+    "road_stress": "mean fourth power of the tire force over the static load [-]",
+    "least_force": "least tire force over the static load [-]",
+    "body_acceleration": "body acceleration, rms [m/s^2]",
+    "weighted_acceleration": "body acceleration weighted by W_k (ISO 2631-1), rms [m/s^2]",
+    "suspension_travel": "largest suspension travel [m]",
+    "switching_rate": "switches of the damper [1/s]",
+}
+"""What is known of each strategy, road and speed."""
+
+CONFIDENCE = 0.95
+
+
+class Paired(NamedTuple):
+    """A mean difference between two strategies over the same roads, and where it lies for sure."""
+
+    mean: float
+    low: float
+    high: float
+    """Ends of the 95 % confidence interval (Student's t); NaN for a single road."""
+
+    @property
+    def clear(self) -> bool:
+        """Whether the interval leaves out 0."""
+        return self.low > 0 or self.high < 0
+
+
+class Row(NamedTuple):
+    """One strategy: means over roads and speeds unless said otherwise."""
+
+    strategy: str
+    daf: float
+    daf_difference: Paired
+    """To the first strategy."""
+    worst_speed: float
+    """Where the mean DAF over roads is largest [m/s]."""
+    worst_daf: float
+    """That DAF."""
+    dae: float
+    dae_error: float
+    """Root mean square of DAE - DAF over roads and speeds."""
+    dae_rank: float
+    """Spearman's rank correlation of DAE and DAF over roads and speeds."""
+    dynamic_load_coefficient: float
+    fourth_power_95: float
+    """Aggregate fourth power of all speeds that 95 % of the road stays below."""
+    body_acceleration: float
+    weighted_acceleration: float
+    suspension_travel: float
+    """Largest of all roads and speeds [m]."""
+    least_force: float
+    """Least of all roads and speeds."""
+    switching_rate: float
+
+
+@dataclass(frozen=True, eq=False)
+class Scoreboard:
+    """Scores of damper strategies over roads and speeds; made by `bridgectl.score`.
+
+    Attributes
+    ----------
+    strategies : tuple of str
+        Names, the first being what the others are compared with.
+    dampings : tuple of float
+        Damping of constant dampers [N s/m], NaN for others.
+    roads : tuple of str
+        Names of the roads.
+    speeds : ndarray, shape (n_speeds,)
+        Speeds c [m/s].
+    values : mapping of str to ndarray, shape (n_strategies, n_roads, n_speeds)
+        Every measure of `bridgectl.scoreboard.MEASURES`.
+    daf_smooth : ndarray, shape (n_strategies, n_speeds)
+        DAF of a smooth road.
+    fourth_power_95 : ndarray, shape (n_strategies, n_roads)
+        Fourth power of the tire force over the static load, averaged over the speeds at each place
+        of 0.25 m: what 95 % of the places stay below.
+    beam, vehicle, approach
+        What was simulated.
+    """
+
+    strategies: tuple[str, ...]
+    dampings: tuple[float, ...]
+    roads: tuple[str, ...]
+    speeds: FloatArray
+    values: Mapping[str, FloatArray]
+    daf_smooth: FloatArray
+    fourth_power_95: FloatArray
+    beam: Beam = field(repr=False)
+    vehicle: QuarterCar = field(repr=False)
+    approach: float
+
+    def __repr__(self) -> str:
+        kmh = self.speeds * 3.6
+        return (
+            f"Scoreboard({len(self.strategies)} strategies, {len(self.roads)} roads, "
+            f"{kmh.size} speeds from {kmh.min():g} to {kmh.max():g} km/h)"
+        )
+
+    def __str__(self) -> str:
+        from bridgectl.report_score import score_text  # late, for it lies above this module
+
+        return score_text(self)
+
+    def difference(
+        self, strategy: str, measure: str = "daf", baseline: str | None = None
+    ) -> Paired:
+        """Return how much a strategy changes a measure, over the same roads.
+
+        Parameters
+        ----------
+        strategy : str
+            The strategy.
+        measure : str, optional
+            One of `bridgectl.scoreboard.MEASURES`, averaged over the speeds.
+        baseline : str, optional
+            What it is compared with. Default: the first strategy.
+
+        Returns
+        -------
+        Paired
+            In the unit of the measure.
+
+        Raises
+        ------
+        ValueError
+            If a name is unknown.
+        """
+        check.choice("measure", measure, tuple(MEASURES))
+        per_road = self.values[measure].mean(axis=2)
+        other = self.strategies[0] if baseline is None else baseline
+        return paired(per_road[self._index(strategy)] - per_road[self._index(other)])
+
+    def rows(self) -> list[Row]:
+        """Return a summary of each strategy, the lowest mean DAF first."""
+        rows = [self._row(i) for i in range(len(self.strategies))]
+        return sorted(rows, key=lambda row: row.daf)
+
+    def _index(self, strategy: str) -> int:
+        return self.strategies.index(check.choice("strategy", strategy, self.strategies))
+
+    def _row(self, i: int) -> Row:
+        own = {name: values[i] for name, values in self.values.items()}
+        by_speed = own["daf"].mean(axis=0)
+        worst = int(by_speed.argmax())
+        return Row(
+            self.strategies[i],
+            float(own["daf"].mean()),
+            self.difference(self.strategies[i]),
+            float(self.speeds[worst]),
+            float(by_speed[worst]),
+            float(own["dae"].mean()),
+            float(np.sqrt(np.mean((own["dae"] - own["daf"]) ** 2))),
+            rank_correlation(own["dae"].ravel(), own["daf"].ravel()),
+            float(own["dynamic_load_coefficient"].mean()),
+            float(self.fourth_power_95[i].mean()),
+            float(own["body_acceleration"].mean()),
+            float(own["weighted_acceleration"].mean()),
+            float(own["suspension_travel"].max()),
+            float(own["least_force"].min()),
+            float(own["switching_rate"].mean()),
+        )
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return every measure as a table, one row for each strategy, road and speed.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        import pandas as pd
+
+        index = pd.MultiIndex.from_product(
+            [self.strategies, self.roads, self.speeds], names=["strategy", "road", "speed"]
+        )
+        return pd.DataFrame({name: v.ravel() for name, v in self.values.items()}, index)
+
+    def to_json(self) -> str:
+        """Return all of it as JSON, with units in the names."""
+        rows = [
+            {**row._asdict(), "daf_difference": row.daf_difference._asdict()} for row in self.rows()
+        ]
+        content = {
+            "strategies": self.strategies,
+            "damping_N_s_per_m": self.dampings,
+            "roads": self.roads,
+            "speed_m_per_s": self.speeds.tolist(),
+            "approach_m": self.approach,
+            "measures": MEASURES,
+            "summary": rows,
+            "values": {name: values.tolist() for name, values in self.values.items()},
+            "daf_smooth": self.daf_smooth.tolist(),
+            "fourth_power_95": self.fourth_power_95.tolist(),
+        }
+        return json.dumps(_without_nan(content), indent=1)
+
+    def plot(self) -> Figure:
+        """Draw the scores: see `bridgectl.plots.score_figure`."""
+        from bridgectl.plots import score_figure  # late, for it lies above this module
+
+        return score_figure(self)
+
+
+def paired(differences: FloatArray) -> Paired:
+    """Return the mean of some differences with its confidence interval."""
+    from scipy.stats import t  # slow to load
+
+    n, mean = len(differences), float(differences.mean())
+    if n < 2:
+        return Paired(mean, math.nan, math.nan)
+    spread = float(differences.std(ddof=1)) / math.sqrt(n)
+    reach = float(t.ppf((1 + CONFIDENCE) / 2, n - 1)) * spread
+    return Paired(mean, mean - reach, mean + reach)
+
+
+def rank_correlation(first: FloatArray, second: FloatArray) -> float:
+    """Return Spearman's rank correlation; NaN where all values of one are the same."""
+    from scipy.stats import spearmanr
+
+    if np.ptp(first) == 0 or np.ptp(second) == 0:
+        return math.nan
+    return float(spearmanr(first, second).statistic)
+
+
+def _without_nan(value: Any) -> Any:
+    """JSON has no NaN: null."""
+    if isinstance(value, dict):
+        return {key: _without_nan(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_nan(entry) for entry in value]
+    return None if isinstance(value, float) and math.isnan(value) else value

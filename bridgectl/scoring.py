@@ -1,0 +1,328 @@
+"""The score: what damper strategies do to a bridge, and to road, ride and suspension beside it.
+
+Each strategy runs over the same roads at the same speeds, next to its own unit ramps: one run gives
+its ramp surface and with it the DAE, the simulated DAF, and the measures of tire force and ride.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bridgectl import _checks as check
+from bridgectl import measures
+from bridgectl._checks import FloatArray
+from bridgectl._progress import track
+from bridgectl.beam import Beam
+from bridgectl.crossing import Crossing
+from bridgectl.dae import RampSurface
+from bridgectl.dampers import Damper, Strategy
+from bridgectl.dampers.actuator import as_damper, bare_vehicle
+from bridgectl.dampers.damped import RampsAndRoads, ramps_and_roads
+from bridgectl.propagator import SAME_PLACE
+from bridgectl.quarter_car import QuarterCar
+from bridgectl.ramps import FeedbackHistories
+from bridgectl.road import RoadProfile
+from bridgectl.score_file import Parts
+from bridgectl.scoreboard import MEASURES, Scoreboard
+from bridgectl.surface import ramp_surface
+from bridgectl.weighting import weighted_rms
+
+RAMP_LENGTH, RAMP_HEIGHT = 0.1, 1e-3
+"""The unit ramp [m]: the paper's."""
+
+RECORDED = ("tire_force", "body_acceleration", "suspension_travel")
+
+ROADS_AT_ONCE = 50
+"""Roads of one part of the work: what an interruption may cost, and memory for histories."""
+
+CELL = 0.25
+"""Length of the places whose aggregate fourth power is taken [m]; longer than a sample's way."""
+
+
+@dataclass(frozen=True)
+class _Study:
+    """What all parts of the work share."""
+
+    beam: Beam
+    vehicle: QuarterCar
+    speeds: FloatArray
+    stations: FloatArray
+    n_ramps: int
+    elevations: FloatArray
+    section: float
+    recovery: str
+
+    @property
+    def crossing(self) -> Crossing:
+        return Crossing(self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery)
+
+
+def score(
+    dampers: Sequence[Damper | Strategy],
+    beam: Beam,
+    vehicle: QuarterCar,
+    roads: Sequence[RoadProfile],
+    speeds: ArrayLike,
+    *,
+    approach: float = 60.0,
+    departure: float = 0.0,
+    section: float = 0.5,
+    recovery: str = "exact",
+    resume: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
+    progress: bool = True,
+) -> Scoreboard:
+    """Score damper strategies over roads and speeds.
+
+    Parameters
+    ----------
+    dampers : sequence of Damper or Strategy
+        The strategies, each with a name of its own; the first is what others are compared with.
+        A strategy alone gets the defaults of `bridgectl.dampers.Damper`.
+    beam, section, recovery
+        See `bridgectl.crossing.Crossing`.
+    vehicle : QuarterCar
+        The vehicle; its damper is replaced.
+    roads : sequence of RoadProfile
+        Roads that cover approach, bridge and departure; they count in straight pieces of 100 mm.
+    speeds : float or array_like
+        Speeds c [m/s].
+    approach, departure : float, optional
+        Road before and after the bridge [m] that is driven; the vehicle starts in equilibrium.
+        Unit ramps lie on approach and bridge.
+    resume : path-like, optional
+        A file that keeps each part of the work when it is done. If it holds parts of the same
+        study, those are not done again.
+    workers : int, optional
+        Processes at work. Default: as many as there are cores.
+    progress : bool, optional
+        Whether to show a progress bar on a terminal.
+
+    Returns
+    -------
+    Scoreboard
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not what is described above: no strategies, two of one name, a road that
+        is too short, or a file of another study.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.dampers import passive, skyhook
+    >>> board = bc.score(
+    ...     [passive(7e3), skyhook(1e3, 30e3)], bc.li2006.beam(), bc.li2006.car(),
+    ...     [bc.iso8608_profile("A", 35, seed=0, start=-10)], 25.0, approach=10, workers=1)
+    >>> board.values["daf"].shape  # strategies, roads, speeds
+    (2, 1, 1)
+    >>> board.strategies
+    ('passive 7 kN s/m', 'skyhook')
+    """
+    devices = _devices(dampers)
+    study = _study(beam, vehicle, roads, speeds, approach, departure, section, recovery)
+    names = tuple(device.strategy.name for device in devices)
+    labels = tuple(road.name or f"road {i}" for i, road in enumerate(roads, 1))
+    tasks = [
+        (f"{name}, roads {first + 1} to {min(first + ROADS_AT_ONCE, len(roads))}", i, first)
+        for i, name in enumerate(names)
+        for first in range(0, len(roads), ROADS_AT_ONCE)
+    ]
+    keys = [_key(devices[i], study) for i in range(len(devices))]
+    with Parts(resume, _header(study)) as parts:
+        todo = [task for task in tasks if (task[0], keys[task[1]]) not in parts]
+        jobs = [(study, devices[i], first) for _, i, first in todo]
+        found = track(
+            _run(jobs, check.workers(workers, len(jobs))), "Scoring strategies", len(jobs),
+            show=progress,
+        )  # fmt: skip
+        for index, part in found:
+            name, i, _ = todo[index]
+            parts.keep(name, keys[i], part)
+        done = [[parts[name, keys[i]] for name, i, _ in tasks if i == k] for k in range(len(names))]
+    values = {
+        measure: np.array([np.concatenate([p[measure] for p in own]) for own in done])
+        for measure in MEASURES
+    }
+    worst = np.array([np.concatenate([p["fourth_power_95"] for p in own]) for own in done])
+    return Scoreboard(
+        names, tuple(d.strategy.c_max if _constant(d) else np.nan for d in devices), labels,
+        study.speeds, values, np.array([own[0]["daf_smooth"] for own in done]), worst,
+        beam, vehicle, approach,
+    )  # fmt: skip
+
+
+def _devices(dampers: Sequence[Damper | Strategy]) -> list[Damper]:
+    """Check the strategies."""
+    if isinstance(dampers, Damper | Strategy):
+        raise TypeError("dampers must be a list of strategies, got one: type [damper]")
+    devices = [as_damper(damper) for damper in dampers]
+    if not devices:
+        raise ValueError(
+            "dampers must hold a strategy, got none: type [bridgectl.dampers.passive(7e3)]"
+        )
+    names = [device.strategy.name for device in devices]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise ValueError(
+            f"dampers must have different names, got {twice!r} twice: type "
+            f'strategy.renamed("{twice}, other")'
+        )
+    return devices
+
+
+def _study(
+    beam: Beam,
+    vehicle: QuarterCar,
+    roads: Sequence[RoadProfile],
+    speeds: ArrayLike,
+    approach: float,
+    departure: float,
+    section: float,
+    recovery: str,
+) -> _Study:
+    """Check what all strategies share, and lay the roads over common stations."""
+    before = check.not_negative("approach", approach, unit="m")
+    after = check.not_negative("departure", departure, unit="m")
+    bare_vehicle(vehicle)
+    if isinstance(roads, RoadProfile) or not all(isinstance(road, RoadProfile) for road in roads):
+        raise TypeError("roads must be a list of RoadProfile: type [road]")
+    if not len(roads):
+        raise ValueError("roads must hold a road, got none: type [bridgectl.utia_road()]")
+    c = check.speeds(speeds)
+    study = _Study(beam, vehicle, c, np.zeros(0), 0, np.zeros(0), section, recovery)
+    _ = study.crossing  # what is wrong with beam, section or recovery is told first
+    n_ramps = int(np.ceil((before + beam.length) / RAMP_LENGTH - SAME_PLACE))
+    n_pieces = int(np.ceil((before + beam.length + after) / RAMP_LENGTH - SAME_PLACE))
+    stations = -before + RAMP_LENGTH * np.arange(n_pieces + 1)
+    for i, road in enumerate(roads, 1):
+        road.require(-before, beam.length + after, f"the crossing, of road {i}")
+    elevations = np.array([np.interp(stations, road.x, road.elevation) for road in roads])
+    elevations -= elevations[:, :1]
+    return replace(study, stations=stations, n_ramps=n_ramps, elevations=elevations)
+
+
+def _run(
+    jobs: Sequence[tuple[_Study, Damper, int]], workers: int
+) -> Iterator[tuple[int, dict[str, Any]]]:
+    """Do the jobs, as many at once as there are workers; yield what is done, with its index."""
+    if workers == 1:
+        for index, job in enumerate(jobs):
+            yield index, _part(*job)
+        return
+    import joblib  # late, as it is slow to load
+
+    parallel = joblib.Parallel(workers, return_as="generator_unordered")
+    yield from parallel(joblib.delayed(_numbered)(i, *job) for i, job in enumerate(jobs))
+
+
+def _numbered(index: int, *job: Any) -> tuple[int, dict[str, Any]]:
+    return index, _part(*job)
+
+
+def _part(study: _Study, damper: Damper, first: int) -> dict[str, Any]:
+    """Score one strategy on some roads: arrays (roads, speeds) of every measure."""
+    elevations = study.elevations[first : first + ROADS_AT_ONCE]
+    linear = _constant(damper) and damper.max_force == np.inf
+    ramps = 0 if linear else study.n_ramps
+    run = ramps_and_roads(
+        study.crossing, damper, study.speeds, study.stations, ramps, RAMP_HEIGHT, elevations,
+        RECORDED,
+    )  # fmt: skip
+    if linear:
+        car = replace(study.vehicle, damping=damper.strategy.c_max)
+        surface = ramp_surface(
+            study.beam, car, study.speeds, approach=-float(study.stations[0]),
+            ramp_length=RAMP_LENGTH, ramp_height=RAMP_HEIGHT,
+            section=study.section, recovery=study.recovery,
+        )  # fmt: skip
+    else:
+        surface = _surface(study, damper, run)
+    found = run.roads
+    duration = (study.stations[-1] - study.stations[0]) / study.speeds
+    return {
+        "dae": surface.dae(elevations[:, : study.n_ramps + 1]),
+        "daf": found.daf.T,
+        "least_force": found.least_force.T,
+        "switching_rate": (found.switches / duration[:, np.newaxis]).T,
+        "daf_smooth": surface.daf_smooth,
+        **_measure(study, damper, run),
+    }
+
+
+def _surface(study: _Study, damper: Damper, run: RampsAndRoads) -> RampSurface:
+    """The ramp surface of a run."""
+    return RampSurface(
+        study.beam, study.vehicle, study.section, study.recovery, "moment",
+        -float(study.stations[0]), RAMP_LENGTH, RAMP_HEIGHT, study.speeds,
+        study.stations[: study.n_ramps], run.smooth, run.unit,
+        FeedbackHistories(damper.strategy.name),
+    )  # fmt: skip
+
+
+def _measure(study: _Study, damper: Damper, run: RampsAndRoads) -> dict[str, FloatArray]:
+    """Measures of the histories: arrays (roads, speeds), and the roads' fourth power."""
+    load = study.vehicle.linear.static_loads[0]
+    columns: dict[str, list[FloatArray]] = {
+        "dynamic_load_coefficient": [], "tire_force_95": [], "road_stress": [],
+        "body_acceleration": [], "weighted_acceleration": [], "suspension_travel": [],
+    }  # fmt: skip
+    fourth = []
+    for speed, history in zip(study.speeds, run.roads.histories, strict=True):
+        force, ride = history["tire_force"], history["body_acceleration"]
+        columns["dynamic_load_coefficient"].append(measures.dynamic_load_coefficient(force, load))
+        columns["tire_force_95"].append(np.percentile(force, 95, axis=-1) / load)
+        columns["road_stress"].append(measures.road_stress_factor(force, load))
+        columns["body_acceleration"].append(measures.rms(ride))
+        columns["weighted_acceleration"].append(weighted_rms(ride, damper.sample_time))
+        columns["suspension_travel"].append(measures.largest(history["suspension_travel"]))
+        x = study.stations[0] + speed * damper.sample_time * np.arange(force.shape[1])
+        cell = max(CELL, 2 * speed * damper.sample_time)
+        fourth.append([measures.aggregate_fourth_power(f, load, x, cell).values for f in force])
+    shortest = min(len(row) for rows in fourth for row in rows)
+    places = np.array([[row[:shortest] for row in rows] for rows in fourth]).mean(axis=0)
+    return {
+        **{name: np.array(column).T for name, column in columns.items()},
+        "fourth_power_95": np.percentile(places, 95, axis=-1),
+    }
+
+
+def _constant(damper: Damper) -> bool:
+    return damper.strategy.c_min == damper.strategy.c_max
+
+
+def _header(study: _Study) -> dict[str, Any]:
+    """What two studies share if their parts fit together."""
+    return {
+        "beam": repr(study.beam),
+        "vehicle": repr(study.vehicle),
+        "speeds": study.speeds.tolist(),
+        "stations": [study.stations[0], study.stations[-1], len(study.stations)],
+        "section": study.section,
+        "recovery": study.recovery,
+    }
+
+
+def _key(damper: Damper, study: _Study) -> str:
+    """Tell a damper and the roads from others: their text, shortened."""
+    ends = [damper.strategy.for_speed(float(c)) for c in study.speeds[[0, -1]]]
+    text = json.dumps(
+        [
+            type(damper.strategy).__name__,
+            [law.function.serialize() for law in ends],
+            damper.strategy.gains,
+            [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
+        ]
+    )
+    whole = hashlib.sha256(text.encode())
+    whole.update(np.ascontiguousarray(study.elevations).tobytes())
+    return whole.hexdigest()[:16]
