@@ -5,6 +5,7 @@ from .bridgehook import Bridgehook, Costate, bridgehook, costate
 from .closed_loop import LoopResult, simulate_loop
 from .laws import add, continuous_skyhook, groundhook, hybrid, passive, pdd, sh_add, skyhook
 from .lqr import clipped_lqr
+from .optimal import Clairvoyant, clairvoyant
 from .preset import preset
 from .program import program
 from .strategy import SIGNALS, Strategy
@@ -13,12 +14,14 @@ from .tire_laws import extended_groundhook, selective_groundhook, tire_groundhoo
 __all__ = [
     "SIGNALS",
     "Bridgehook",
+    "Clairvoyant",
     "Costate",
     "Damper",
     "LoopResult",
     "Strategy",
     "add",
     "bridgehook",
+    "clairvoyant",
     "clipped_lqr",
     "continuous_skyhook",
     "costate",
