@@ -30,7 +30,7 @@ STAGES = (np.polynomial.legendre.leggauss(2)[0] + 1) / 2
 POINTS = np.array([*STAGES, 0.5, 1.0])
 """Where a step's responses are needed: stages, middle, end."""
 
-MAX_PHASE = 0.15
+MAX_PHASE = 0.1
 """Largest advance of phase of the vehicle's fastest motion in a step [rad]."""
 
 SUSPENSION = np.array([0.0, 1.0, 0.0, -1.0])
