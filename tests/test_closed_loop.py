@@ -1,12 +1,10 @@
 """Crossings with a damper in the loop, against exact passive ones and the control library."""
 
 import dataclasses
-from itertools import pairwise
 
-import control as ct
 import numpy as np
 import pytest
-from helpers import rough_road
+from helpers import loop_of_the_control_library, rough_road
 
 import bridgectl as bc
 from bridgectl import dampers
@@ -59,75 +57,6 @@ def random_loop(seed):
     }
     road = rough_road(seed, -2, np.ceil(length), 0.5, height=1e-3)
     return beam, car, options, rng.uniform(20, 40), road
-
-
-def law_of_crossing(damper, beam, car, speed, road):
-    """The law at a speed, with the gains that are set for this crossing."""
-    crossing = bc.Crossing(beam, dataclasses.replace(car, damping=0.0), speed)
-    own = damper.strategy.gains_for(crossing, np.array([speed]), road.x, road.elevation[np.newaxis])
-    law = damper.strategy.for_speed(speed)
-    return law.with_gains(**{name: float(value[0, 0]) for name, value in own.items()})
-
-
-def loop_of_the_control_library(beam, car, damper, speed, road):
-    """DAF by `control.input_output_response` from sample to sample, c held or lagging between.
-
-    No integration step crosses a kink of the road or of the moment.
-    """
-    crossing = bc.Crossing(beam, dataclasses.replace(car, damping=0.0), speed)
-
-    def force(x, damping):
-        return min(max(damping * (x[1] - x[3]), -damper.max_force), damper.max_force)
-
-    loop = ct.nlsys(
-        lambda t, x, u, p: crossing.dynamics(t, x, u[:1], np.array([force(x, u[1])])), None,
-        inputs=["road", "damping"], states=crossing.state_labels,
-    )  # fmt: skip
-
-    def outputs(t, states, drops, dampings):
-        shapes = crossing.tire_shapes(speed * t)
-        hubs = crossing.linear.hubs @ states[:4]
-        deflections = (shapes[:, 0] * states[4::2].T).sum(axis=1)
-        tires = np.maximum(crossing.tire_forces(hubs[0], deflections, drops), 0)
-        forces = np.array([[force(x, c) for x, c in zip(states.T, dampings, strict=True)]])
-        return crossing.outputs(t, states, tires[np.newaxis], forces)
-
-    law, start, end = law_of_crossing(damper, beam, car, speed, road), road.x[0], beam.length
-    samples = start / speed + damper.sample_time * np.arange(1000)
-    kinks = np.unique(np.concatenate([road.x, [0.0, end / 2, end]])) / speed
-    state, damping, peak = np.zeros(len(crossing.state_labels)), 0.0, 0.0
-    last_force = None
-    for first, last in pairwise([*samples[samples < end / speed - 1e-9], end / speed]):
-        r = road.drop(np.array([speed * first]), start)
-        now = outputs(np.array([first]), state[:, np.newaxis], r, np.array([damping]))[:, 0]
-        measured = {
-            name: now[crossing.output_labels.index(label)]
-            for name, label in CROSSING_OUTPUTS.items()
-        }
-        last_force = measured["tire_force"] if last_force is None else last_force
-        rate = (measured["tire_force"] - last_force) / damper.sample_time
-        last_force = measured["tire_force"]
-        wanted = float(
-            law.command(**measured, tire_force_rate=rate, position=speed * first, speed=speed)
-        )
-        if damper.lag == 0 or first == samples[0]:
-            damping = wanted
-        before, sampled = damping, first
-        inside = kinks[(kinks > first + 1e-9) & (kinks < last - 1e-9)]
-        for begin, stop in pairwise([first, *inside, last]):
-            t = np.linspace(begin, stop, 11)
-            r = road.drop(speed * t, start)
-            c = wanted + (before - wanted) * np.exp(-(t - sampled) / (damper.lag or np.inf))
-            response = ct.input_output_response(
-                loop, t, np.vstack([r, c]), state, solve_ivp_method="DOP853",
-                solve_ivp_kwargs={"rtol": 1e-7, "atol": 1e-10, "first_step": stop - begin},
-            )  # fmt: skip
-            if speed * stop > 1e-9:
-                moment = outputs(t, response.states, r, c)[0]
-                curve = np.polynomial.Polynomial.fit(t, moment, 8)
-                peak = max(peak, moment.max(), curve(np.linspace(begin, stop, 200)).max())
-            state, damping = response.states[:, -1], float(c[-1])
-    return peak
 
 
 @pytest.mark.parametrize("damping", [2e3, 7e3, 30e3])

@@ -8,7 +8,7 @@ cases, and what depends on position or speed alone is computed once for all road
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -89,8 +89,39 @@ class BatchLaw:
         at_speeds = [strategy.for_speed(float(speed)) for speed in speeds]
         self.laws = at_speeds[:1] if all(law is strategy for law in at_speeds) else at_speeds
         self.steps = _merged([law.function for law in self.laws])
+        self._know({})
 
-    def __call__(self, signals: Mapping[str, ArrayLike]) -> FloatArray:
+    def foresee(self, positions: FloatArray, speeds: FloatArray) -> None:
+        """Evaluate ahead of all samples what depends on place and speed alone.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (speeds, samples)
+            Where each speed is at each sample [m].
+        speeds : ndarray, shape (speeds,)
+            Speeds [m/s].
+        """
+        self._know({"position": positions, "speed": speeds[:, np.newaxis]})
+
+    def _know(self, signals: dict[str, FloatArray]) -> None:
+        """Do all steps that take no other signals: constants at least."""
+        steps, known = self.steps or [], dict[int, Any]()
+        with np.errstate(all="ignore"):
+            for k, step in enumerate(steps):
+                if step.operation == ca.OP_CONST:
+                    several = len(step.constant) > 1
+                    known[k] = step.constant[:, np.newaxis] if several else step.constant[0]
+                elif step.operation == ca.OP_INPUT:
+                    if (name := _signal(step)) in signals:
+                        known[k] = signals[name]
+                elif all(i in known for i in step.takes):
+                    known[k] = _do(step, known)
+        self.remaining = [k for k in range(len(steps)) if k not in known]
+        # Only what is taken later is kept: tables of many places are long.
+        taken = {i for k in self.remaining for i in steps[k].takes} | {len(steps) - 1}
+        self.known = {k: value for k, value in known.items() if k in taken}
+
+    def __call__(self, signals: Mapping[str, ArrayLike], sample: int = 0) -> FloatArray:
         """Return the command [N s/m].
 
         Parameters
@@ -98,6 +129,8 @@ class BatchLaw:
         signals : mapping
             Arrays by name, of shapes that broadcast together; the laws of several speeds take
             the first so many rows.
+        sample : int, optional
+            Which of the samples it is that were foreseen.
 
         Returns
         -------
@@ -113,24 +146,30 @@ class BatchLaw:
         if self.steps is None:
             return self._one_by_one(signals, shape)
         with np.errstate(all="ignore"):  # a branch that is not taken may divide by zero
-            return no_nan(self.name, self._together(signals, shape))
+            return no_nan(self.name, self._together(self.steps, signals, shape, sample))
 
-    def _together(self, signals: Mapping[str, ArrayLike], shape: tuple[int, ...]) -> FloatArray:
-        """Operation after operation, for all cases."""
+    def _together(
+        self,
+        steps: list[_Step],
+        signals: Mapping[str, ArrayLike],
+        shape: tuple[int, ...],
+        sample: int,
+    ) -> FloatArray:
+        """Step after step, each for all cases."""
         inputs = [[signals[name] for name in SIGNALS], self._gains(shape)]
-        work: dict[int, Any] = {}
-        result: Any = np.nan
-        for operation, takes, gives, constant in self.steps or []:
-            if operation == ca.OP_CONST:
-                several = len(constant) > 1
-                work[gives[0]] = constant[: shape[0], np.newaxis] if several else constant[0]
-            elif operation == ca.OP_INPUT:
-                work[gives[0]] = inputs[takes[0]][takes[1]]
-            elif operation == ca.OP_OUTPUT:
-                result = work[takes[0]]
+        values: dict[int, Any] = {}
+        for k, value in self.known.items():
+            if np.ndim(value):
+                column = sample if value.shape[1] > 1 else 0
+                value = value[: shape[0], column : column + 1]
+            values[k] = value
+        for k in self.remaining:
+            step = steps[k]
+            if step.operation == ca.OP_INPUT:
+                values[k] = inputs[step.takes[0]][step.takes[1]]
             else:
-                work[gives[0]] = OPERATIONS[operation](*(work[k] for k in takes))
-        return np.broadcast_to(result, shape)
+                values[k] = _do(step, values)
+        return np.broadcast_to(values[len(steps) - 1], shape)
 
     def _one_by_one(self, signals: Mapping[str, ArrayLike], shape: tuple[int, ...]) -> FloatArray:
         """Case by case in CasADi, for operations that are not among those above."""
@@ -152,25 +191,53 @@ class BatchLaw:
         return [own.get(name, value) for name, value in self.laws[0].gains.items()]
 
 
-_Step = tuple[int, Any, Any, FloatArray]
+class _Step(NamedTuple):
+    """One operation of a CasADi expression, for laws that differ in their constants alone."""
+
+    operation: int
+    takes: tuple[int, ...]
+    """The steps whose results it takes; of an input, which argument and which entry of it."""
+    constant: FloatArray
+    """A constant's value, one for all laws or one for each."""
 
 
 def _merged(functions: Sequence[ca.Function]) -> list[_Step] | None:
-    """Operations of functions that differ in their constants alone; None where they do not."""
-    first, *others = [[_step(f, k) for k in range(f.n_instructions())] for f in functions]
-    alike = all([step[:3] for step in other] == [step[:3] for step in first] for other in others)
+    """Steps of functions that differ in their constants alone; None where they do not."""
+    first, *others = [_steps(function) for function in functions]
+    alike = all([step[:2] for step in other] == [step[:2] for step in first] for other in others)
     special = {ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT}
-    if not alike or not {step[0] for step in first} <= special | set(OPERATIONS):
+    if not alike or not {step.operation for step in first} <= special | set(OPERATIONS):
         return None
     merged = []
-    for k, (operation, takes, gives, constant) in enumerate(first):
-        every = np.array([constant, *(other[k][3] for other in others)])
-        same = bool(np.all(every == constant) or np.isnan(every).all())
-        merged.append((operation, takes, gives, every[:1] if same else every))
+    for step, *same in zip(first, *others, strict=True):
+        every = np.concatenate([step.constant, *(other.constant for other in same)])
+        equal = bool(np.all(every == every[0]) or np.isnan(every).all())
+        merged.append(step._replace(constant=every[:1] if equal else every))
     return merged
 
 
-def _step(function: ca.Function, k: int) -> tuple[int, Any, Any, float]:
-    operation = function.instruction_id(k)
-    constant = function.instruction_constant(k) if operation == ca.OP_CONST else 0.0
-    return operation, function.instruction_input(k), function.instruction_output(k), constant
+def _steps(function: ca.Function) -> list[_Step]:
+    """The operations of a function; the last one gives its result."""
+    made_by: dict[int, int] = {}  # places of the work vector, which are used again and again
+    steps = []
+    for k in range(function.n_instructions()):
+        operation = function.instruction_id(k)
+        takes = tuple(function.instruction_input(k))
+        constant = function.instruction_constant(k) if operation == ca.OP_CONST else 0.0
+        if operation not in (ca.OP_CONST, ca.OP_INPUT):
+            takes = tuple(made_by[place] for place in takes)
+        steps.append(_Step(operation, takes, np.array([constant])))
+        if operation != ca.OP_OUTPUT:
+            made_by.update(dict.fromkeys(function.instruction_output(k), k))
+    return steps
+
+
+def _signal(step: _Step) -> str | None:
+    """Name of the signal that a step reads, if it does."""
+    of_signals = step.operation == ca.OP_INPUT and step.takes[0] == 0
+    return SIGNALS[step.takes[1]] if of_signals else None
+
+
+def _do(step: _Step, values: Mapping[int, Any]) -> Any:
+    taken = [values[i] for i in step.takes]
+    return taken[0] if step.operation == ca.OP_OUTPUT else OPERATIONS[step.operation](*taken)

@@ -1,23 +1,33 @@
-"""Bridgehook: a damper that works against the bending moment, by the crossing's costate.
+"""Bridgehook: a damper that works against the bending moment of the bridge it is on.
 
-On a smooth road the peak moment M(t*) depends on the damper force at every instant before it by
+A force F_d(t) between body and axle changes the peak moment by sigma(t) = dM / dF_d(t) for each
+N s, and a damper has the choice of how much of F_d = c v to give, v = y_s' - y_t'::
 
-    sigma(t) = dM(t*) / dF_d(t) = lambda(t)' B_F,   lambda' = -A' lambda,   lambda(t*)' = row of M
+    c = c_max where sigma v < 0, c_min elsewhere
 
-one backward pass through the crossing's own transition matrices. A force that pushes against the
-sign of sigma lowers the peak, and a damper has the choice of how much of F_d = c v to give::
+Two sigmas are here. With feedback (the default) it is the worth of a force before a peak that the
+road may bring sooner or later, affine in the measured velocities of body and axle::
 
-    c = c_max where sigma v < 0, c_min elsewhere; passive after t*
+    sigma = s(x) + b(x) y_s' + a(x) y_t'
 
-It needs position and speed, and no preview of the road.
+by `bridgectl.dampers.peak_value`, from `REACH` before the bridge to its end. Without feedback it is
+the costate of the passive crossing of a smooth road, up to the time t* of its peak: one backward
+pass through the crossing's own transition matrices::
+
+    sigma(t) = lambda(t)' B_F,   lambda' = -A' lambda,   lambda(t*)' = row of M
+
+Elsewhere the damper is passive. Either needs position and speed, and no preview of the road.
 """
 
 from __future__ import annotations
 
 from functools import cached_property
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import casadi as ca
+import control
 import numpy as np
 
 from bridgectl import _checks as check
@@ -30,10 +40,23 @@ from bridgectl.propagator import SAME_PLACE, build_cells
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.simulation import effect_samples, prepare, propagate
 
+from .peak_value import PeakValue, peak_value
 from .strategy import Strategy
 
 REACH = 60.0
 """How far before the bridge the damper is commanded [m]; before that it is passive."""
+
+SPACING = 0.7
+"""Largest distance between knots on the bridge [m]: an axle hop takes more than a metre."""
+
+KNOTS = 16
+"""Knots on the approach: with three times as many no DAF changes by 0.002."""
+
+PLACES = 32
+"""Places where sigma may change its sign come in multiples of this; see `_costate_law`."""
+
+FAR = 1e9
+"""A place [m] that no vehicle comes to."""
 
 
 class Costate(NamedTuple):
@@ -108,9 +131,18 @@ class Bridgehook(Strategy):
     """The bridgehook strategy; made by `bridgehook`. At each speed it has its own law."""
 
     def __init__(
-        self, beam: Beam, vehicle: QuarterCar, c_min: float, c_max: float, section: float = 0.5
+        self,
+        beam: Beam,
+        vehicle: QuarterCar,
+        c_min: float,
+        c_max: float,
+        section: float = 0.5,
+        *,
+        feedback: bool = True,
+        lag: float = 0.0,
     ) -> None:
-        self.beam, self.vehicle, self.section = beam, vehicle, section
+        self.beam, self.vehicle, self.section, self.feedback = beam, vehicle, section, feedback
+        self.lag = check.not_negative("lag", lag, unit="s")
         self.laws: dict[float, Strategy] = {}
         super().__init__("bridgehook", self._untold, c_min, c_max)
 
@@ -122,9 +154,31 @@ class Bridgehook(Strategy):
     def for_speed(self, speed: float) -> Strategy:
         """Return the law at a speed [m/s]."""
         if speed not in self.laws:
-            found = costate(self.beam, self.vehicle, speed, section=self.section)
-            self.laws[speed] = _law_of(found, self.passive_damping, self)
+            self.laws[speed] = self._made(speed)
         return self.laws[speed]
+
+    def _made(self, speed: float) -> Strategy:
+        case = self.beam, self.vehicle, speed
+        if not self.feedback:
+            return _costate_law(costate(*case, section=self.section), self)
+        bounds = self.c_min, self.c_max
+        return _feedback_law(peak_value(*case, *bounds, section=self.section, reach=REACH), self)
+
+    def system(self, speed: float) -> control.NonlinearIOSystem:
+        """Return the law at a speed [m/s] as an I/O block: see `Strategy.system`."""
+        return self.for_speed(check.positive("speed", speed, unit="m/s")).system(speed)
+
+    def to_c(self, path: str | Path) -> Path:
+        """Refuse: a C file holds the law of one speed.
+
+        Raises
+        ------
+        ValueError
+            Always: type ``bridgehook(...).for_speed(25.0).to_c(path)``.
+        """
+        raise ValueError(
+            "bridgehook has a law for each speed: type for example law.for_speed(25.0).to_c(path)"
+        )
 
     @cached_property
     def passive_damping(self) -> float:
@@ -133,47 +187,134 @@ class Bridgehook(Strategy):
 
 
 def bridgehook(
-    beam: Beam, vehicle: QuarterCar, c_min: float, c_max: float, *, section: float = 0.5
+    beam: Beam,
+    vehicle: QuarterCar,
+    c_min: float,
+    c_max: float,
+    *,
+    section: float = 0.5,
+    feedback: bool = True,
+    lag: float = 0.0,
 ) -> Bridgehook:
     """Return the damper that works against the bending moment of a bridge.
+
+    It has to know bridge, vehicle and speed, and to measure position and the velocities of body
+    and axle. `bridgectl.dampers.bridgehook` and `bridgectl.dampers.peak_value` have the formulas.
 
     Parameters
     ----------
     beam, vehicle, section
-        The bridge, the vehicle with its passive damping, and the section of the moment: what the
-        costate is computed for.
+        The bridge, the vehicle with its passive damping, and the section of the moment: what
+        sigma is computed for.
     c_min, c_max : float
         Bounds of the damping [N s/m].
+    feedback : bool, optional
+        False for the costate of a smooth road, which takes the sign of the suspension velocity
+        alone. It is simpler, and where the road decides when the peak comes it can be worse than
+        a passive damper.
+    lag : float, optional
+        Time [s] by which the damper is late, as its `Damper.lag`: position and velocities are
+        taken that much later, as c t and by the accelerations, which then are measured too.
 
     Raises
     ------
     TypeError, ValueError
         If an argument is not what is described above.
 
+    Notes
+    -----
+    The paper's truck and bridge, 60 to 120 km/h, 60 m of approach, c from 1 to 30 kN s/m, 200
+    random roads of each ISO class; mean DAF over roads at the worst speed, and over all speeds::
+
+                                class A          class B
+        passive 7 kN s/m        1.135  1.055     1.142  1.072
+        without feedback        1.058  0.993     1.052  0.998
+        bridgehook              1.055  0.985     0.994  0.966
+        with lag and noise      1.072  0.997     1.022  0.984
+        the lag made up for     1.064  0.992     1.007  0.973
+
+    Without feedback it is worse than passive by up to 0.027 (A) and 0.066 (B), near 82 km/h; with
+    feedback nowhere. The damper's lag is 10 ms, which `lag` makes up for; the noise is 5 % of the
+    RMS velocities. The rougher the road, the more the suspension moves and the more there is to
+    use; on a smooth road no damper does anything.
+
     Examples
     --------
     >>> import bridgectl as bc
     >>> from bridgectl.dampers import bridgehook
     >>> law = bridgehook(bc.li2006.beam(), bc.li2006.car(), 1e3, 30e3).for_speed(25.0)
-    >>> law.command(position=[11.0, 20.0], suspension_velocity=-0.1)
-    array([30000.,  7000.])
+    >>> law.command(position=[-70.0, 11.0, 26.0], axle_velocity=0.1, suspension_velocity=-0.1)
+    array([ 7000., 30000.,  7000.])
     """
-    return Bridgehook(beam, vehicle, c_min, c_max, section)
+    return Bridgehook(beam, vehicle, c_min, c_max, section, feedback=feedback, lag=lag)
 
 
-def _law_of(found: Costate, passive: float, owner: Bridgehook) -> Strategy:
-    """The switched law between the places where sigma changes its sign."""
-    x, sigma = found
-    turns = np.nonzero(np.sign(sigma[1:]) != np.sign(sigma[:-1]))[0]
-    share = sigma[turns] / (sigma[turns] - sigma[turns + 1])
-    places = x[turns] + share * (x[turns + 1] - x[turns])
-    signs = np.sign(np.append(sigma[turns], sigma[-1]))
-    start, end = float(x[0]), float(x[-1])
+def _feedback_law(found: PeakValue, owner: Bridgehook) -> Strategy:
+    """The law of the worth of a force, straight between knots that are the same at all speeds."""
+    end = float(found.positions[-1])
+    before = -REACH * np.linspace(1, 0, KNOTS, endpoint=False) ** 2  # closer and closer
+    on_bridge = np.linspace(0, end, int(np.ceil(end / SPACING)) + 1)
+    knots = np.concatenate([before, on_bridge])
+    tables = np.array([np.interp(knots, found.positions, values) for values in found[1:]])
+    first = np.diff(tables[:, :2]) / np.diff(knots[:2])
+    bends = np.diff(np.diff(tables) / np.diff(knots), prepend=first, axis=1)
+    bends[:, 0] = first[:, 0]
 
-    def law(s: Any, g: Any) -> Any:
-        sign = ca.pw_const(s.position, ca.DM(places), ca.DM(signs)) if len(places) else signs[0]
-        active = ca.logic_and(s.position >= start, s.position <= end)
-        stiff = sign * s.suspension_velocity < 0
-        return ca.if_else(active, ca.if_else(stiff, g.c_max, g.c_min), passive)
+    def law(signals: Any, g: Any) -> Any:
+        s = _later(signals, owner.lag)
+        place = ca.fmin(ca.fmax(s.position, -REACH), end)
+        beyond = [ca.fmax(place - float(knot), 0) for knot in knots[:-1]]
+        constant, body, axle = (
+            float(table[0]) + sum(float(b) * u for b, u in zip(bend, beyond, strict=True))
+            for table, bend in zip(tables, bends, strict=True)
+        )
+        sigma = constant + body * s.body_velocity + axle * s.axle_velocity
+        return _switched(sigma, s, g, -REACH, end, owner)
 
     return Strategy(owner.name, law, owner.c_min, owner.c_max)
+
+
+def _costate_law(found: Costate, owner: Bridgehook) -> Strategy:
+    """The law switched at the places where the costate changes its sign.
+
+    Each place is a factor of the sign, -1 when it is passed. Places that are always or never passed
+    fill up their number, so that the laws of all speeds are the same operations.
+    """
+    x, sigma = found
+    positive = sigma[:-1] > 0  # at the peak itself a force is worth nothing yet
+    turns = np.nonzero(positive[1:] != positive[:-1])[0]
+    share = sigma[turns] / (sigma[turns] - sigma[turns + 1])
+    places = [*(x[turns] + share * (x[turns + 1] - x[turns]))]
+    if not positive[0]:
+        places.append(-FAR)
+    filled = PLACES * (len(places) // PLACES + 1)
+    places += [FAR * (1 + 0.1 * k) for k in range(filled - len(places))]
+    start, end = float(x[0]), float(x[-1])
+
+    def law(signals: Any, g: Any) -> Any:
+        s = _later(signals, owner.lag)
+        sign: Any = 1.0
+        for place in places:
+            sign = sign * (2 * (s.position < float(place)) - 1)
+        return _switched(sign, s, g, start, end, owner)
+
+    return Strategy(owner.name, law, owner.c_min, owner.c_max)
+
+
+def _switched(sigma: Any, s: Any, g: Any, start: float, end: float, owner: Bridgehook) -> Any:
+    active = ca.logic_and(s.position >= start, s.position <= end)
+    stiff = sigma * s.suspension_velocity < 0
+    return ca.if_else(active, ca.if_else(stiff, g.c_max, g.c_min), owner.passive_damping)
+
+
+def _later(s: Any, time: float) -> Any:
+    """The signals that count, as they will be a time [s] from now."""
+    if time == 0:
+        return s
+    return SimpleNamespace(
+        position=s.position + time * s.speed,
+        body_velocity=s.body_velocity + time * s.body_acceleration,
+        axle_velocity=s.axle_velocity + time * s.axle_acceleration,
+        suspension_velocity=s.suspension_velocity
+        + time * (s.body_acceleration - s.axle_acceleration),
+    )

@@ -208,6 +208,7 @@ class Loop:
         every = np.full(len(elevations), stations[0])
         self.begins = every if begins is None or gains else begins
         self.law = BatchLaw(damper.strategy, [*speeds], gains)
+        self.law.foresee(self.plan.edges[..., 0], speeds)
         self.middle = (damper.strategy.c_min + damper.strategy.c_max) / 2
         self.rng = np.random.default_rng(damper.seed)
         self.kept: dict[str, list[FloatArray]] = {name: [] for name in record}
@@ -273,7 +274,7 @@ class Loop:
         """Measure, command, and record: the controller's part of a round."""
         first = self.plan.first[: len(now.force)] == k
         signals = self._signals(now, k, first)
-        wanted = self.law(signals)
+        wanted = self.law(signals, k)
         if wanted.shape != now.command.shape:
             wanted = np.broadcast_to(wanted, now.command.shape)
         switched = (wanted > self.middle) != (now.command > self.middle)
