@@ -8,39 +8,44 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any, NoReturn
 
-import numpy as np
-
 import bridgectl as bc
+from bridgectl.cli_score import SCORE_HELP, add_score_options, run_score
 from bridgectl.options import (
+    RAMP_LENGTH,
     add_bridge_options,
     add_file_options,
+    add_output_options,
     add_place_options,
     add_validation_options,
     add_vehicle_options,
     check_plot,
+    check_ramps,
     file_arguments,
+    make_beam,
+    make_vehicle,
     numbers,
     parse_speeds,
+    place_road,
+    tell_drawn,
+    working,
 )
-
-RAMP_LENGTH = 0.1
-"""Length of the ramps [m], as in the paper."""
 
 SEGMENT = 100.0
 """Segments of a road that get an IRI each [m]."""
 
 MAIN_HELP = """\
-What a road does to a bridge: dynamic amplification of a vehicle's crossing.
+What a road does to a bridge, and what dampers can do about it: dynamic amplification of a vehicle's
+crossing.
 
+  bridgectl score     damper strategies, scored for a bridge: amplification, road wear, ride
   bridgectl dae       the dynamic amplification estimate (DAE) of a measured road
   bridgectl profile   roughness (IRI), spectrum and ISO 8608 class of a road file
   bridgectl paper     every number of Li, OBrien and Gonzalez (2006) beside the computed one
   bridgectl validate  its Section 4 again: DAE against DAF on eight good roads and three spans
 
-`bridgectl dae` without a file takes a measured road that comes with the program."""
+Without a road file, score, dae and profile take a measured road that comes with the program."""
 
 DAE_HELP = """\
 Place a bridge in a road and say how much the road amplifies the bending moment of a truck's
@@ -159,6 +164,12 @@ def _parser() -> _Parser:
     parser = _Parser(prog="bridgectl", description=MAIN_HELP, formatter_class=look)
     parser.add_argument("--version", action="version", version=f"bridgectl {bc.__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    score = commands.add_parser(
+        "score", help="damper strategies, scored for a bridge", description=SCORE_HELP,
+        formatter_class=look,
+    )  # fmt: skip
+    score.set_defaults(run=run_score)
+    add_score_options(score)
     dae = commands.add_parser(
         "dae", help="DAE and DAF of a measured road", description=DAE_HELP, formatter_class=look
     )
@@ -187,9 +198,8 @@ def _parser() -> _Parser:
     )  # fmt: skip
     validate.set_defaults(run=_run_validate)
     add_validation_options(validate)
-    for command in (dae, profile, paper, validate):
-        command.add_argument("--plot", metavar="FILE", type=Path, help="draw (png, pdf, svg)")
-        command.add_argument("--json", action="store_true", help="print one JSON object instead")
+    for command in (score, dae, profile, paper, validate):
+        add_output_options(command)
     return parser
 
 
@@ -198,23 +208,14 @@ def _run_dae(args: argparse.Namespace) -> None:
 
     speeds = parse_speeds(args.speeds) / 3.6
     check_plot(args.plot)
-    ratios = tuple(numbers("--damping-ratio", args.damping_ratio, float))
-    damping_ratio = ratios if len(ratios) > 1 else ratios[0]
-    beam = bc.li2006.beam(args.span, args.deck, n_modes=args.modes, damping_ratio=damping_ratio)
-    vehicle = bc.QuarterCar(
-        args.sprung_mass,
-        args.unsprung_mass,
-        args.suspension_stiffness,
-        args.tire_stiffness,
-        args.damping,
-    )
+    beam, vehicle = make_beam(args), make_vehicle(args)
     road, station = _road(args, beam.length)
-    with _working("computing the ramp surface"):
+    with working("computing the ramp surface"):
         surface = bc.ramp_surface(
             beam, vehicle, speeds, approach=args.approach, ramp_length=RAMP_LENGTH,
             section=args.section, recovery=args.recovery,
         )  # fmt: skip
-    with _working("superposing and simulating"):
+    with working("superposing and simulating"):
         simulated = bc.daf(
             beam, vehicle, speeds, road, start=-args.approach,
             section=args.section, recovery=args.recovery,
@@ -232,53 +233,16 @@ def _run_dae(args: argparse.Namespace) -> None:
         print(json.dumps(dae_json(study), indent=1))
     else:
         print_dae(study)
-        _tell_drawn(args.plot)
+        tell_drawn(args.plot)
 
 
 def _road(args: argparse.Namespace, span: float) -> tuple[bc.RoadProfile, float]:
     """The road under approach and bridge, in ramps, and the station of the bridge."""
-    if not 0 <= args.approach < np.inf:
-        raise ValueError(f"--approach must be 0 m or more, got {args.approach:g}")
-    if not np.isclose(args.approach, round(args.approach / RAMP_LENGTH) * RAMP_LENGTH, 0, 1e-9):
-        raise ValueError(
-            f"--approach must be a whole number of {RAMP_LENGTH:g} m ramps, "
-            f"got {args.approach:.10g}"
-        )
+    check_ramps("--approach", args.approach)
     if args.file is None:
-        whole = bc.utia_road()
-    else:
-        whole = bc.read_profile(args.file, track=args.track, **file_arguments(args))
-    station = float(whole.x[0]) + args.approach if args.station is None else args.station
-    first, last = float(whole.x[0]) + args.approach, float(whole.x[-1]) - span
-    if not first - 1e-9 <= station <= last + 1e-9:
-        room = (
-            f"--station must lie between {first:g} and {last:g} m"
-            if first <= last
-            else f"{args.approach + span:g} m are needed: pass a smaller --approach or --span"
-        )
-        raise ValueError(
-            f"the road ({whole.x[0]:g} to {whole.x[-1]:g} m) does not hold {args.approach:g} m of "
-            f"approach and {span:g} m of bridge at station {station:g} m: {room}"
-        )
-    road = whole.place_bridge(station)
-    # Station arithmetic must not lose the ends to round-off.
-    start, stop = max(-args.approach, float(road.x[0])), min(span, float(road.x[-1]))
-    road = road.crop(start, stop)
-    if not args.no_detrend:
-        road = road.detrend()
-    return road.resample(RAMP_LENGTH).level(start), station
-
-
-def _tell_drawn(path: Path | None) -> None:
-    if path is not None:
-        print(f"Drawn: {path}")
-
-
-def _working(what: str) -> Any:
-    """A spinner on standard error, if that is a terminal."""
-    from rich.console import Console
-
-    return Console(stderr=True).status(what)
+        return place_road(args, bc.utia_road(), "that comes with the program", span)
+    whole = bc.read_profile(args.file, track=args.track, **file_arguments(args))
+    return place_road(args, whole, args.file, span)
 
 
 def _run_profile(args: argparse.Namespace) -> None:
@@ -300,7 +264,7 @@ def _run_profile(args: argparse.Namespace) -> None:
         print(json.dumps(profile_json(tracks, args.segment), indent=1))
     else:
         print_profile(tracks, args.segment)
-        _tell_drawn(args.plot)
+        tell_drawn(args.plot)
 
 
 def _run_paper(args: argparse.Namespace) -> None:
@@ -308,7 +272,7 @@ def _run_paper(args: argparse.Namespace) -> None:
     from bridgectl.report import paper_json, print_paper
 
     check_plot(args.plot)
-    with _working("computing the paper's surfaces"):
+    with working("computing the paper's surfaces"):
         results = paper_results()
     if args.plot is not None:
         from bridgectl.plots import paper_figure
@@ -318,7 +282,7 @@ def _run_paper(args: argparse.Namespace) -> None:
         print(json.dumps(paper_json(results), indent=1))
     else:
         print_paper(results)
-        _tell_drawn(args.plot)
+        tell_drawn(args.plot)
 
 
 def _run_validate(args: argparse.Namespace) -> None:
@@ -333,16 +297,16 @@ def _run_validate(args: argparse.Namespace) -> None:
     speeds = parse_speeds(args.speeds) / 3.6
     for span in spans:  # of a span that there is not, before the work
         bc.li2006.beam(span)
-    with _working("making the roads"):
+    with working("making the roads"):
         roads = good_roads()
     results = validate(speeds, spans, roads=roads)
     if args.plot is not None:
         from bridgectl.plots import validation_figure
 
-        with _working("drawing"):
+        with working("drawing"):
             validation_figure(results).savefig(args.plot)
     if args.json:
         print(json.dumps(validation_json(results), indent=1))
     else:
         print_validation(results)
-        _tell_drawn(args.plot)
+        tell_drawn(args.plot)

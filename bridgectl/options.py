@@ -13,14 +13,21 @@ import bridgectl as bc
 from bridgectl._checks import FloatArray
 from bridgectl.recovery import RECOVERIES
 
+RAMP_LENGTH = 0.1
+"""Length of the ramps [m], as in the paper."""
+
 SPEEDS_KMH = (1.0, 1000.0)
 """Speeds that make sense [km/h]: a crawling vehicle needs cells, and memory, without end."""
 
 
-def add_file_options(parser: argparse.ArgumentParser) -> None:
-    """Add FILE, and how it is to be read."""
-    file = parser.add_argument_group("road file")
-    file.add_argument("file", nargs="?", metavar="FILE", help="delimited text, ERD or OpenCRG")
+def add_file_options(parser: argparse.ArgumentParser, *, many: bool = False) -> None:
+    """Add FILE, or any number of ROAD, and how they are to be read."""
+    file = parser.add_argument_group("road files" if many else "road file")
+    if many:
+        file.add_argument("roads", nargs="*", metavar="ROAD", type=Path,
+                          help="delimited text, ERD or OpenCRG")  # fmt: skip
+    else:
+        file.add_argument("file", nargs="?", metavar="FILE", help="delimited text, ERD or OpenCRG")
     file.add_argument("--units", metavar="X,Z", help="units of station and elevation, as m,mm")
     file.add_argument(
         "--columns", metavar="I,J,...",
@@ -46,23 +53,26 @@ def file_arguments(args: argparse.Namespace) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def add_place_options(parser: argparse.ArgumentParser) -> None:
-    """Add where the bridge is in the road, and the speeds."""
+def add_place_options(
+    parser: argparse.ArgumentParser, *, approach: float = 200.0, speeds: str = "50:150:1"
+) -> None:
+    """Add where the bridge is in the road, and the speeds, with their defaults."""
     road = parser.add_argument_group("place of the bridge")
     road.add_argument(
         "--station", type=float, metavar="M",
         help="station of the start of the bridge [m]; default: the first after the approach",
     )  # fmt: skip
     road.add_argument(
-        "--approach", type=float, default=200.0, metavar="M",
-        help="road before the bridge that counts [m]; the vehicle starts there (default 200)",
+        "--approach", type=float, default=approach, metavar="M",
+        help="road before the bridge that counts [m]; the vehicle starts there "
+        f"(default {approach:g})",
     )  # fmt: skip
     road.add_argument(
         "--no-detrend", action="store_true",
         help="keep the grade; by default the straight line through the road is taken off, "
         "as a vehicle that starts in equilibrium is not on a grade",
     )  # fmt: skip
-    _add_speeds(parser)
+    _add_speeds(parser, speeds)
 
 
 def add_validation_options(parser: argparse.ArgumentParser) -> None:
@@ -71,13 +81,13 @@ def add_validation_options(parser: argparse.ArgumentParser) -> None:
         "--spans", default="15,25,35", metavar="A,B,C",
         help="spans [m], odd, 9 to 35 (default 15,25,35)",
     )  # fmt: skip
-    _add_speeds(parser)
+    _add_speeds(parser, "50:150:1")
 
 
-def _add_speeds(parser: argparse.ArgumentParser) -> None:
+def _add_speeds(parser: argparse.ArgumentParser, default: str) -> None:
     parser.add_argument(
-        "--speeds", default="50:150:1", metavar="A:B:D",
-        help="speeds [km/h], from A to B in steps of D, or a list A,B,C (default 50:150:1)",
+        "--speeds", default=default, metavar="A:B:D",
+        help=f"speeds [km/h], from A to B in steps of D, or a list A,B,C (default {default})",
     )  # fmt: skip
 
 
@@ -113,6 +123,93 @@ def add_vehicle_options(parser: argparse.ArgumentParser) -> None:
             f"--{name.replace('_', '-')}", type=float, default=default, metavar="X",
             help=f"[{unit}] (default {default:g})",
         )  # fmt: skip
+
+
+def add_output_options(parser: argparse.ArgumentParser) -> None:
+    """Add what becomes of the results."""
+    parser.add_argument("--plot", metavar="FILE", type=Path, help="draw (png, pdf, svg)")
+    parser.add_argument("--json", action="store_true", help="print one JSON object instead")
+
+
+def make_beam(args: argparse.Namespace) -> bc.Beam:
+    """Make the bridge of the bridge options."""
+    ratios = tuple(numbers("--damping-ratio", args.damping_ratio, float))
+    damping_ratio = ratios if len(ratios) > 1 else ratios[0]
+    return bc.li2006.beam(args.span, args.deck, n_modes=args.modes, damping_ratio=damping_ratio)
+
+
+def make_vehicle(args: argparse.Namespace) -> bc.QuarterCar:
+    """Make the quarter-car of the vehicle options."""
+    return bc.QuarterCar(
+        args.sprung_mass,
+        args.unsprung_mass,
+        args.suspension_stiffness,
+        args.tire_stiffness,
+        args.damping,
+    )
+
+
+def place_road(
+    args: argparse.Namespace,
+    whole: bc.RoadProfile,
+    what: str,
+    span: float,
+    *,
+    station: float | None = None,
+    departure: float = 0.0,
+) -> tuple[bc.RoadProfile, float]:
+    """Return the road under approach, bridge and departure, in ramps, and the bridge's station.
+
+    `what` names the road in errors; `station` [m] is that of the bridge if --station is not given.
+    """
+    check_ramps("--approach", args.approach)
+    if station is None:
+        station = float(whole.x[0]) + args.approach
+    station = station if args.station is None else args.station
+    end = span + departure
+    first, last = float(whole.x[0]) + args.approach, float(whole.x[-1]) - end
+    if not first - 1e-9 <= station <= last + 1e-9:
+        room = (
+            f"--station must lie between {first:g} and {last:g} m"
+            if first <= last
+            else f"{args.approach + end:g} m are needed: pass a smaller --approach or --span"
+        )
+        after = f", {departure:g} m of departure" if departure else ""
+        raise ValueError(
+            f"the road {what} ({whole.x[0]:g} to {whole.x[-1]:g} m) does not hold "
+            f"{args.approach:g} m of approach and {span:g} m of bridge{after} at station "
+            f"{station:g} m: {room}"
+        )
+    road = whole.place_bridge(station)
+    # Station arithmetic must not lose the ends to round-off.
+    start, stop = max(-args.approach, float(road.x[0])), min(end, float(road.x[-1]))
+    road = road.crop(start, stop)
+    if not args.no_detrend:
+        road = road.detrend()
+    return road.resample(RAMP_LENGTH).level(start), station
+
+
+def check_ramps(option: str, length: float) -> None:
+    """Find out whether a length [m] is one of whole ramps."""
+    if not 0 <= length < np.inf:
+        raise ValueError(f"{option} must be 0 m or more, got {length:g}")
+    if not np.isclose(length, round(length / RAMP_LENGTH) * RAMP_LENGTH, 0, 1e-9):
+        raise ValueError(
+            f"{option} must be a whole number of {RAMP_LENGTH:g} m ramps, got {length:.10g}"
+        )
+
+
+def working(what: str) -> Any:
+    """Return a spinner on standard error, if that is a terminal."""
+    from rich.console import Console
+
+    return Console(stderr=True).status(what)
+
+
+def tell_drawn(path: Path | None) -> None:
+    """Say where the figure is, if there is one."""
+    if path is not None:
+        print(f"Drawn: {path}")
 
 
 def parse_speeds(text: str) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from collections.abc import Mapping
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from bridgectl import __version__
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.beam import Beam
@@ -206,6 +208,9 @@ class Scoreboard:
             {**row._asdict(), "daf_difference": row.daf_difference._asdict()} for row in self.rows()
         ]
         content = {
+            "bridgectl": __version__,
+            "bridge": dataclasses.asdict(self.beam),
+            "vehicle": dataclasses.asdict(self.vehicle),
             "strategies": self.strategies,
             "damping_N_s_per_m": self.dampings,
             "roads": self.roads,

@@ -4,8 +4,10 @@ from .actuator import Damper
 from .bridgehook import Bridgehook, Costate, bridgehook, costate
 from .closed_loop import LoopResult, simulate_loop
 from .laws import add, continuous_skyhook, groundhook, hybrid, passive, pdd, sh_add, skyhook
+from .library import library
 from .lqr import clipped_lqr
 from .optimal import Clairvoyant, clairvoyant
+from .peak_value import PeakValue, peak_value
 from .preset import preset
 from .program import program
 from .strategy import SIGNALS, Strategy
@@ -18,6 +20,7 @@ __all__ = [
     "Costate",
     "Damper",
     "LoopResult",
+    "PeakValue",
     "Strategy",
     "add",
     "bridgehook",
@@ -28,8 +31,10 @@ __all__ = [
     "extended_groundhook",
     "groundhook",
     "hybrid",
+    "library",
     "passive",
     "pdd",
+    "peak_value",
     "preset",
     "program",
     "selective_groundhook",

@@ -6,6 +6,7 @@ The functions return axes or figures and leave `matplotlib.pyplot` alone: save w
 
 from .bridge import dae_figure, lines_plot, paper_figure, smooth_daf_plot, surface_plot
 from .roads import pair_figure, profile_figure, psd_plot
+from .scores import score_figure
 from .validation import validation_figure
 
 __all__ = [
@@ -15,6 +16,7 @@ __all__ = [
     "paper_figure",
     "profile_figure",
     "psd_plot",
+    "score_figure",
     "smooth_daf_plot",
     "surface_plot",
     "validation_figure",

@@ -1,0 +1,86 @@
+"""The library: every strategy, for one bridge and one vehicle."""
+
+from __future__ import annotations
+
+from bridgectl.beam import Beam
+from bridgectl.quarter_car import QuarterCar
+
+from .bridgehook import bridgehook
+from .laws import add, continuous_skyhook, groundhook, hybrid, passive, pdd, sh_add, skyhook
+from .lqr import clipped_lqr
+from .preset import preset
+from .strategy import Strategy
+from .tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
+
+
+def library(
+    beam: Beam, vehicle: QuarterCar, c_min: float, c_max: float, *, section: float = 0.5
+) -> list[Strategy]:
+    """Return every strategy for a bridge and a vehicle, the vehicle's own damper first.
+
+    Parameters
+    ----------
+    beam : Beam
+        The bridge, which `bridgehook` knows.
+    vehicle : QuarterCar
+        The vehicle, with its passive damper.
+    c_min, c_max : float
+        Bounds of the damping [N s/m], above 0.
+    section : float, optional
+        Section of the moment, as a fraction of the span: what `bridgehook` works for.
+
+    Returns
+    -------
+    list of Strategy
+        Of different names; all but the first within the bounds.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not what is described above, or the vehicle has no damper.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.dampers import library
+    >>> for strategy in library(bc.li2006.beam(), bc.li2006.car(), 1e3, 30e3):
+    ...     print(strategy.name)
+    passive 7 kN s/m
+    preset
+    skyhook
+    continuous skyhook
+    groundhook
+    tire groundhook
+    extended groundhook
+    selective groundhook
+    hybrid
+    ADD
+    SH-ADD
+    PDD
+    clipped LQR
+    bridgehook
+    """
+    if not isinstance(vehicle, QuarterCar):
+        raise TypeError(
+            f"vehicle must be a QuarterCar, as bc.li2006.car(), got {type(vehicle).__name__}"
+        )
+    if vehicle.damping == 0:
+        raise ValueError(
+            "vehicle must have a damping above 0 [N s/m], which strategies are compared with"
+        )
+    return [
+        passive(vehicle.damping),
+        preset(c_min, c_max),
+        skyhook(c_min, c_max),
+        continuous_skyhook(c_min, c_max),
+        groundhook(c_min, c_max),
+        tire_groundhook(c_min, c_max),
+        extended_groundhook(c_min, c_max, vehicle=vehicle),
+        selective_groundhook(c_min, c_max, vehicle=vehicle),
+        hybrid(c_min, c_max),
+        add(c_min, c_max),
+        sh_add(c_min, c_max),
+        pdd(c_min, c_max, stiffness=vehicle.suspension_stiffness),
+        clipped_lqr(vehicle, c_min, c_max),
+        bridgehook(beam, vehicle, c_min, c_max, section=section),
+    ]

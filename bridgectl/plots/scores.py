@@ -1,0 +1,179 @@
+"""The figure of a scoreboard: bridge against ride and road, and DAF and DAE against speed."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from bridgectl._checks import FloatArray
+from bridgectl.scoreboard import Scoreboard
+
+from .labels import label_points
+from .style import BLACK, BLUE, GREY, SPEED_LABEL, TRACKS, VERMILLION, styled
+
+DAF_LABEL = "mean DAF [-]"
+
+RIDE = ("body_acceleration", "body acceleration, rms [m/s²]")
+TIRE_FORCE = ("dynamic_load_coefficient", "dynamic load coefficient [-]")
+
+CONSTANT = "constant dampers"
+
+FEW = 15
+"""Curves of fewer points than this show them."""
+
+
+class _Look(NamedTuple):
+    """How a strategy that stands out is drawn, and why it does."""
+
+    color: str
+    marker: str
+    width: float
+    role: str
+
+
+@styled
+def score_figure(board: Scoreboard) -> Figure:
+    """Draw what strategies do to a bridge, against what they do to ride and road.
+
+    Above: mean DAF of each strategy against body acceleration and dynamic load coefficient, with
+    the line of the constant dampers. Below: mean DAF and mean DAE over the roads against speed.
+    The first strategy and the best are marked, the others grey.
+
+    Parameters
+    ----------
+    board : Scoreboard
+        See `bridgectl.score`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    References
+    ----------
+    C. Poussot-Vassal, C. Spelta, O. Sename, S. M. Savaresi, L. Dugard, Annual Reviews in Control 36
+    (2012) 148-160: strategies as points beside the line of the constant dampers.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.dampers import passive
+    >>> from bridgectl.plots import score_figure
+    >>> board = bc.score(
+    ...     [passive(7e3), passive(1e3)], bc.li2006.beam(), bc.li2006.car(),
+    ...     [bc.iso8608_profile("A", 35, seed=0, start=-10)], 25.0, approach=10, workers=1)
+    >>> [axes.get_xlabel() for axes in score_figure(board).axes]
+    ['mean DAF [-]', 'mean DAF [-]', 'speed [km/h]', 'speed [km/h]']
+    """
+    figure = Figure(figsize=(11.0, 9.8))
+    looks = _looks(board)
+    # Labels are placed beside points, so that no layout may move the axes afterwards.
+    above = figure.subplots(1, 2, gridspec_kw={
+        "left": 0.07, "right": 0.985, "top": 0.955, "bottom": 0.54, "wspace": 0.17})  # fmt: skip
+    below = figure.subplots(1, 2, sharey=True, gridspec_kw={
+        "left": 0.07, "right": 0.985, "top": 0.38, "bottom": 0.06, "wspace": 0.08})  # fmt: skip
+    for ax, (measure, label) in zip(above, (RIDE, TIRE_FORCE), strict=True):
+        _draw_points(ax, board, measure, looks)
+        ax.set_ylabel(label)
+    above[0].set_title("bridge and ride: lower left is better")
+    above[1].set_title("bridge and tire force: lower left is better")
+    for ax, measure in zip(below, ("daf", "dae"), strict=True):
+        _draw_speeds(ax, board, measure, looks)
+    below[0].set_title("simulated DAF, mean over the roads")
+    below[1].set_title("DAE from each strategy's own unit ramps, mean over the roads")
+    below[0].set_ylabel("mean DAF, DAE [-]")
+    handles = [
+        Line2D([], [], color=look.color, marker=look.marker, lw=look.width, ms=_size(look),
+               label=f"{name}: {look.role}")
+        for name, look in looks.items()
+    ]  # fmt: skip
+    if np.isfinite(board.dampings).sum() > 1:
+        handles.append(Line2D([], [], color=GREY, lw=1.4, marker="o", ms=4, label=CONSTANT))
+    if len(looks) < len(board.strategies):
+        handles.append(Line2D([], [], color=GREY, lw=0.8, label="others"))
+    figure.legend(handles=handles, loc="center", bbox_to_anchor=(0.52, 0.455), ncols=3,
+                  fontsize=9.5)  # fmt: skip
+    return figure
+
+
+def _looks(board: Scoreboard) -> dict[str, _Look]:
+    """What stands out: the first strategy, and those at the ends of each scale."""
+    means = {name: values.mean(axis=(1, 2)) for name, values in board.values.items()}
+    names = board.strategies
+    roles = {names[0]: ["the baseline"]}
+    for measure, what in (
+        ("daf", "DAF"), (RIDE[0], "body acceleration"), (TIRE_FORCE[0], "load coefficient"),
+    ):  # fmt: skip
+        roles.setdefault(names[int(means[measure].argmin())], []).append(f"least {what}")
+    roles.setdefault(names[int(means["daf"].argmax())], []).append("largest DAF")
+    styles = [
+        (BLACK, "*", 2.2), (VERMILLION, "o", 2.0), (BLUE, "s", 1.6), (TRACKS[2], "^", 1.6),
+        (TRACKS[3], "D", 1.6),
+    ]  # fmt: skip
+    return {
+        name: _Look(*style, ", ".join(why))
+        for (name, why), style in zip(roles.items(), styles, strict=False)
+    }
+
+
+def _size(look: _Look) -> float:
+    return 12.0 if look.marker == "*" else 6.0
+
+
+def _draw_points(ax: Axes, board: Scoreboard, measure: str, looks: dict[str, _Look]) -> None:
+    """Strategies as points, and the line of the constant dampers."""
+    means = (board.values[name].mean(axis=(1, 2)) for name in ("daf", measure))
+    points = np.column_stack(list(means))
+    constant = np.flatnonzero(np.isfinite(board.dampings))
+    constant = constant[np.argsort(np.array(board.dampings)[constant])]
+    locus = points[constant]
+    if len(constant):
+        ax.plot(*locus.T, "o-", color=GREY, lw=1.4, ms=4, label=CONSTANT, zorder=2)
+    others = [i for i, name in enumerate(board.strategies)
+              if name not in looks and i not in constant]  # fmt: skip
+    ax.plot(*points[others].T, "o", color=BLACK, mfc="white", ms=5.5, zorder=3, label="strategies")
+    for name, look in looks.items():
+        place = points[board.strategies.index(name)]
+        ax.plot(*place, look.marker, color=look.color, ms=_size(look), zorder=4, label=name)
+    ax.margins(x=0.11, y=0.09)
+    ax.set_xlabel(DAF_LABEL)
+    # Limits that are fixed now: labels are placed by them.
+    ax.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
+    ends = {int(i) for i in constant[[0, -1]]} if len(constant) else set()
+    told = [i for i, name in enumerate(board.strategies)
+            if i not in constant or i in ends or name in looks]  # fmt: skip
+    label_points(
+        ax, points[told], [_label(board, i) for i in told], obstacles=points, curve=locus,
+        colors=[_color(board.strategies[i], looks) for i in told],
+    )  # fmt: skip
+
+
+def _label(board: Scoreboard, i: int) -> str:
+    """The name of a strategy; of a constant damper its damping."""
+    c = board.dampings[i]
+    return board.strategies[i] if i == 0 or np.isnan(c) else f"{c / 1e3:g} kN s/m"
+
+
+def _color(name: str, looks: dict[str, _Look]) -> str:
+    return looks[name].color if name in looks else BLACK
+
+
+def _draw_speeds(ax: Axes, board: Scoreboard, measure: str, looks: dict[str, _Look]) -> None:
+    """A measure over the speed, averaged over the roads."""
+    order = np.argsort(board.speeds)
+    kmh: FloatArray = board.speeds[order] * 3.6
+    for name, values in zip(board.strategies, board.values[measure], strict=True):
+        y = values.mean(axis=0)[order]
+        look = looks.get(name)
+        style: dict[str, Any] = {"color": GREY, "lw": 0.8, "alpha": 0.7, "zorder": 2}
+        if look is not None:
+            style = {"color": look.color, "lw": look.width, "zorder": 3}
+        if kmh.size < FEW:
+            style |= {"marker": look.marker, "ms": _size(look) * 0.7} if look else {
+                "marker": ".", "ms": 3}  # fmt: skip
+        ax.plot(kmh, y, label=name, **style)
+    ax.margins(x=0.02)
+    ax.set_xlabel(SPEED_LABEL)
