@@ -18,7 +18,7 @@ def test_the_setup_commands_are_one_line_each():
     text = README.read_text(encoding="utf-8")
     commands = [line for line in text.splitlines() if line.startswith("python3 -m venv")]
     assert len(commands) == 2
-    assert "bridgectl dae" in commands[0]
+    assert "bridgectl score" in commands[0]
     assert commands[1].endswith(".venv/bin/pytest")
 
 
