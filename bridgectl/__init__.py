@@ -45,6 +45,9 @@ from bridgectl.surface_file import SurfaceFileError, load_surface
 from bridgectl.trust import DaeTrust, dae_trust
 from bridgectl.vehicle import Vehicle
 
+LAZY = ("dampers", "extremes", "measures", "passive_theory", "plots", "validation", "weighting")
+"""Rooms that are loaded when they are first used: the dampers bring CasADi."""
+
 if TYPE_CHECKING:
     from bridgectl.scoreboard import Scoreboard
     from bridgectl.scoring import score
@@ -52,9 +55,14 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 
+def __dir__() -> list[str]:
+    """List what there is, loaded or not, for tab completion."""
+    return sorted({*globals(), *__all__, *LAZY})
+
+
 def __getattr__(name: str) -> Any:
-    """Load what is heavy when it is first used: the dampers bring CasADi."""
-    if name in ("dampers", "extremes", "plots"):
+    """Load what is heavy when it is first used."""
+    if name in LAZY:
         return import_module(f"bridgectl.{name}")
     if name in ("Scoreboard", "score"):
         module = {"Scoreboard": "scoreboard", "score": "scoring"}[name]

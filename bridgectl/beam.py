@@ -125,8 +125,8 @@ class Beam:
 
         Returns
         -------
-        ndarray
-            Shape (..., n_modes).
+        ndarray, shape (..., n_modes)
+            Dimensionless.
         """
         position = np.asarray(x, dtype=np.float64)[..., np.newaxis]
         # The shapes vanish at both supports: clipping to the span is zero off the bridge.
@@ -147,6 +147,11 @@ class Beam:
         -------
         ndarray
             Moment per force [N m / N], the shape of `x`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `section` is not a fraction from 0 to 1.
         """
         position = np.asarray(x, dtype=np.float64)
         at = _checks.fraction("section", section) * self.length
@@ -164,15 +169,20 @@ class Beam:
 
         Returns
         -------
-        ndarray
-            Shape (n_modes,).
+        ndarray, shape (n_modes,)
+            Moment per modal coordinate [N m / m].
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `section` is not a fraction from 0 to 1.
         """
         shape = self.mode_shapes(_checks.fraction("section", section) * self.length)
         return np.asarray(self.flexural_rigidity * self.wavenumbers**2 * shape)
 
     @cached_property
     def state_matrix(self) -> FloatArray:
-        """State matrix of the modes, states [q_1, q_1', q_2, ...], shape (2 n, 2 n)."""
+        """State matrix of the modes, states (q_1 [m], q_1' [m/s], q_2, ...), shape (2 n, 2 n)."""
         matrix = np.zeros((2 * self.n_modes, 2 * self.n_modes))
         displacement = 2 * np.arange(self.n_modes)
         matrix[displacement, displacement + 1] = 1.0
@@ -206,7 +216,12 @@ class Beam:
         Returns
         -------
         control.StateSpace
-            States 'q_1', 'q_1_dot', 'q_2', ...
+            States 'q_1' [m], 'q_1_dot' [m/s], 'q_2', ...
+
+        Raises
+        ------
+        TypeError, ValueError
+            If a load or section is not a fraction of the span from 0 to 1.
 
         Examples
         --------

@@ -64,6 +64,24 @@ class Crossing:
     ------
     TypeError, ValueError
         If a parameter has the wrong kind or range; the message names it.
+
+    Warns
+    -----
+    UserWarning
+        If the vehicle is heavier than the bridge: masses may be in tonnes.
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eqs. (1)-(8).
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> crossing = bc.Crossing(bc.li2006.beam(), bc.li2006.car(), speed=25.0)
+    >>> f"{crossing.peak_static_moment / 1e3:.1f} kN m under the truck at mid-span"
+    '613.1 kN m under the truck at mid-span'
+    >>> crossing.state_matrix(0.5).shape
+    (10, 10)
     """
 
     beam: Beam
@@ -97,6 +115,13 @@ class Crossing:
                 stacklevel=3,
             )
 
+    def __repr__(self) -> str:
+        return (
+            f"Crossing({self.beam!r}, {self.vehicle!r}, speed={self.speed:g} m/s, "
+            f"section={self.section:g} of the span, recovery={self.recovery!r}, "
+            f"effect={self.effect!r})"
+        )
+
     @property
     def linear(self) -> Vehicle:
         """The vehicle as a `Vehicle`."""
@@ -123,14 +148,35 @@ class Crossing:
         return static_peak(self.beam, self.linear, self.section, "moment")
 
     def tire_positions(self, x: ArrayLike) -> FloatArray:
-        """Positions of the tires [m] for the reference tire at x, shape (..., n_tires)."""
+        """Positions of the tires for the reference tire at x.
+
+        Parameters
+        ----------
+        x : array_like
+            Positions of the reference tire [m], any shape.
+
+        Returns
+        -------
+        ndarray, shape (..., n_tires)
+            Positions [m].
+        """
         return np.asarray(x, dtype=np.float64)[..., np.newaxis] - self.linear.tire_offsets
 
     def tire_shapes(self, x: ArrayLike) -> FloatArray:
-        """Mode shapes under the tires, shape (..., n_tires, n_modes).
+        """Mode shapes under the tires.
 
         Both the time-varying input map of the modes (transposed) and the rows that read
         the deflection under each tire.
+
+        Parameters
+        ----------
+        x : array_like
+            Positions of the reference tire [m], any shape.
+
+        Returns
+        -------
+        ndarray, shape (..., n_tires, n_modes)
+            Dimensionless, zero off the bridge: see `Beam.mode_shapes`.
         """
         return self.beam.mode_shapes(self.tire_positions(x))
 
@@ -164,13 +210,14 @@ class Crossing:
         x : ndarray, shape (m,)
             Positions [m].
         states, forces : ndarray, shapes (..., m, n) and (..., m, n_tires)
-            States and tire forces [N] there.
+            States (displacements [m] and rates [m/s]) and tire forces [N] there.
         effect : str, optional
             See `rows`.
 
         Returns
         -------
         ndarray, shape (..., m)
+            Amplification [-]; the acceleration in m/s^2.
         """
         per_force, per_state, constant = self.rows(x, effect)
         from_forces = np.einsum("mk,...mk->...m", per_force, forces)
@@ -178,13 +225,13 @@ class Crossing:
 
     @cached_property
     def deflection_row(self) -> FloatArray:
-        """Row of the deflection at the section on the beam states, shape (2 n_modes,)."""
+        """Row of the deflection [m] at the section on the beam states, shape (2 n_modes,)."""
         shape = self.beam.mode_shapes(self.section * self.beam.length)
         return np.kron(shape, [1.0, 0.0])
 
     @cached_property
     def free_matrix(self) -> FloatArray:
-        """A without the tires: vehicle in flight beside a free beam, shape (n, n)."""
+        """A without the tires, of `state_labels` [m, m/s]: vehicle in flight beside a free beam."""
         matrix = np.zeros((self.n_states, self.n_states))
         matrix[: self.n_vehicle, : self.n_vehicle] = self.linear.state_matrix
         matrix[self.n_vehicle :, self.n_vehicle :] = self.beam.state_matrix
@@ -192,35 +239,84 @@ class Crossing:
 
     @cached_property
     def damper_matrix(self) -> FloatArray:
-        """B_F: input matrix of the damper forces, shape (n, n_dampers)."""
+        """B_F: input matrix of the damper forces [N], shape (n, n_dampers)."""
         matrix = np.zeros((self.n_states, len(self.linear.damper_map)))
         matrix[: self.n_vehicle] = self.linear.damper_input
         return matrix
 
     def tire_input(self, x: float) -> FloatArray:
-        """Input matrix of the tire forces, with the beam's input map b(t), shape (n, n_tires).
+        """Input matrix of the tire forces [N], with the beam's input map b(t).
 
         The vehicle takes R - W, the beam R.
+
+        Parameters
+        ----------
+        x : float
+            Position of the reference tire [m].
+
+        Returns
+        -------
+        ndarray, shape (n, n_tires)
         """
         return np.vstack([self.linear.tire_input, self.beam.input_matrix @ self.tire_shapes(x).T])
 
     def tire_rows(self, x: float) -> FloatArray:
-        """Rows of K_t (y - v): tire forces per state with the tires in contact."""
+        """Rows of K_t (y - v): tire forces [N] per state with the tires in contact.
+
+        Parameters
+        ----------
+        x : float
+            Position of the reference tire [m].
+
+        Returns
+        -------
+        ndarray, shape (n_tires, n)
+        """
         deflection = np.kron(self.tire_shapes(x), [1.0, 0.0])
         rows = np.hstack([self.linear.hubs, -deflection])
         return np.asarray(self.linear.tire_stiffnesses[:, np.newaxis] * rows)
 
     def state_matrix(self, t: float) -> FloatArray:
-        """A(t) with every tire in contact, shape (n, n)."""
+        """A(t) with every tire in contact, of the states `state_labels` [m, m/s].
+
+        Parameters
+        ----------
+        t : float
+            Time [s] since the reference tire is at the start of the bridge.
+
+        Returns
+        -------
+        ndarray, shape (n, n)
+        """
         x = self.speed * t
         return np.asarray(self.free_matrix + self.tire_input(x) @ self.tire_rows(x))
 
     def road_matrix(self, t: float) -> FloatArray:
-        """B_r(t) with every tire in contact, shape (n, n_tires)."""
+        """B_r(t), input matrix of the road r [m] with every tire in contact.
+
+        Parameters
+        ----------
+        t : float
+            Time [s]: see `state_matrix`.
+
+        Returns
+        -------
+        ndarray, shape (n, n_tires)
+        """
         return np.asarray(-self.tire_input(self.speed * t) * self.linear.tire_stiffnesses)
 
     def load_vector(self, t: float) -> FloatArray:
-        """b(t) W: the static loads on the beam, shape (n,)."""
+        """b(t) W: what the static loads [N] on the beam add to the state derivative.
+
+        Parameters
+        ----------
+        t : float
+            Time [s]: see `state_matrix`.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+        """
         on_beam = self.tire_input(self.speed * t) @ self.linear.static_loads
         on_beam[: self.n_vehicle] = 0.0
         return np.asarray(on_beam)
@@ -243,7 +339,22 @@ class Crossing:
         return vehicle.static_loads + vehicle.tire_stiffnesses * (hubs - deflections - road)
 
     def contact_forces(self, state: FloatArray, road: FloatArray, shapes: FloatArray) -> FloatArray:
-        """Tire forces kept from pulling (R >= 0) [N], for the mode shapes under the tires."""
+        """Tire forces kept from pulling, R >= 0: see `tire_forces`.
+
+        Parameters
+        ----------
+        state : ndarray, shape (n,)
+            The states `state_labels` [m, m/s].
+        road : ndarray, shape (n_tires,)
+            Road r under the tires [m], positive downward.
+        shapes : ndarray, shape (n_tires, n_modes)
+            Mode shapes under the tires, dimensionless: see `tire_shapes`.
+
+        Returns
+        -------
+        ndarray, shape (n_tires,)
+            R [N].
+        """
         n = self.n_vehicle
         contact = self.tire_forces(self.linear.hubs @ state[:n], shapes @ state[n::2], road)
         return np.maximum(contact, 0.0)
@@ -251,7 +362,24 @@ class Crossing:
     def dynamics(
         self, t: float, state: FloatArray, road: FloatArray, damper_force: FloatArray
     ) -> FloatArray:
-        """State derivative, with the tires kept from pulling."""
+        """State derivative, with the tires kept from pulling.
+
+        Parameters
+        ----------
+        t : float
+            Time [s]: see `state_matrix`.
+        state : ndarray, shape (n,)
+            The states `state_labels` [m, m/s].
+        road : ndarray, shape (n_tires,)
+            Road r under the tires [m], positive downward.
+        damper_force : ndarray, shape (n_dampers,)
+            Forces of the controlled dampers [N].
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Rates of the states [m/s, m/s^2].
+        """
         n = self.n_vehicle
         shapes = self.tire_shapes(self.speed * t)
         force = self.contact_forces(state, road, shapes)
@@ -298,11 +426,12 @@ class Crossing:
         t : ndarray, shape (m,)
             Times [s].
         states, forces, damper : ndarray, shapes (n, m), (n_tires, m), (n_dampers, m)
-            States, tire forces [N] and damper forces [N].
+            States (displacements [m] and rates [m/s]), tire forces [N] and damper forces [N].
 
         Returns
         -------
         ndarray, shape (n_outputs, m)
+            In the order of `output_labels`. See `crossing_system` for their units.
         """
         vehicle, n = self.linear, self.n_vehicle
         rates = (
@@ -323,7 +452,17 @@ class Crossing:
         )
 
     def system(self, name: str = "crossing") -> control.NonlinearIOSystem:
-        """Return the crossing as a control system: see `crossing_system`."""
+        """Return the crossing as a control system: see `crossing_system`.
+
+        Parameters
+        ----------
+        name : str, optional
+            Name of the system.
+
+        Returns
+        -------
+        control.NonlinearIOSystem
+        """
         n_tires = self.linear.n_tires
 
         def update(t: float, x: FloatArray, u: FloatArray, _: dict[str, Any]) -> FloatArray:

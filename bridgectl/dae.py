@@ -78,19 +78,20 @@ class RampSurface:
 
     def __repr__(self) -> str:
         kmh = self.speeds * 3.6
-        damper = ""
+        rest = "" if self.section == 0.5 else f", section={self.section:g} of the span"
+        rest += "" if self.effect == "moment" else f", effect={self.effect!r}"
         if isinstance(self.histories, FeedbackHistories):
-            damper = f", damper={self.histories.damper!r}"
+            rest += f", damper={self.histories.damper!r}"
         return (
             f"RampSurface({len(self.speeds)} speeds from {kmh.min():g} to {kmh.max():g} km/h, "
             f"{len(self.positions)} ramps of {self.ramp_height * 1e3:g} mm over "
             f"{self.ramp_length * 1e3:g} mm from x = {0.0 - self.approach:g} m to "
-            f"{self.beam.length:g} m, recovery={self.recovery!r}{damper})"
+            f"{self.beam.length:g} m, recovery={self.recovery!r}{rest})"
         )
 
     @property
     def daf_difference(self) -> FloatArray:
-        """What a unit ramp changes, DAF_unit - DAF_smooth (Fig. 5(b)), (n_speeds, n_ramps)."""
+        """What a unit ramp changes, DAF_unit - DAF_smooth [-] (Fig. 5(b)), (n_speeds, n_ramps)."""
         return np.asarray(self.daf_unit - self.daf_smooth[:, np.newaxis])
 
     @property
@@ -303,7 +304,13 @@ class RampSurface:
         return TireContact(run, self.speeds, self.ramp_length, len(self.positions))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Save the surface to an NPZ file: see `bridgectl.surface_file.save_surface`."""
+        """Save the surface to an NPZ file: see `bridgectl.surface_file.save_surface`.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file; `bridgectl.load_surface` reads it back to the bit.
+        """
         from bridgectl.surface_file import save_surface  # late, for it lies above this module
 
         save_surface(self, path)
@@ -315,7 +322,19 @@ class RampSurface:
         return surface_to_xarray(self)
 
     def plot(self, *, difference: bool = False, ax: Axes | None = None) -> Axes:
-        """Draw the surface over place and speed: see `bridgectl.plots.surface_plot`."""
+        """Draw the surface over place and speed: see `bridgectl.plots.surface_plot`.
+
+        Parameters
+        ----------
+        difference : bool, optional
+            Draw what a unit ramp changes (Fig. 5(b)) instead of its DAF.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if omitted.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
         # Late, for it lies above this module, and matplotlib is slow to load.
         from bridgectl.plots import surface_plot
 

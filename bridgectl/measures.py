@@ -25,6 +25,7 @@ def rms(history: ArrayLike) -> FloatArray:
     Parameters
     ----------
     history : array_like, shape (..., n)
+        In any unit, as [m/s^2].
 
     Returns
     -------
@@ -115,6 +116,7 @@ def dynamic_load_coefficient(force: ArrayLike, static_load: ArrayLike) -> FloatA
     Returns
     -------
     float or ndarray, shape (...)
+        Dimensionless.
 
     Raises
     ------
@@ -152,6 +154,7 @@ def least_force(force: ArrayLike, static_load: ArrayLike) -> FloatArray:
     Returns
     -------
     float or ndarray, shape (...)
+        As a fraction of the static load.
 
     Raises
     ------
@@ -216,12 +219,18 @@ def road_stress_factor(force: ArrayLike, static_load: ArrayLike) -> FloatArray:
 
 
 class FourthPower(NamedTuple):
-    """The aggregate fourth power of tire forces at each place of a road."""
+    """Fourth power of tire forces at each place of a road, found by `aggregate_fourth_power`."""
 
     places: FloatArray
     """Middles of the places [m], shape (n_places,)."""
     values: FloatArray
-    """Sum of R^4 over sum of W^4 of all tires and crossings there, shape (n_places,)."""
+    """Sum of R^4 over sum of W^4 [-] of all tires and crossings there, shape (n_places,)."""
+
+    def __repr__(self) -> str:
+        return (
+            f"FourthPower({self.values.size} places from {self.places[0]:.6g} m to "
+            f"{self.places[-1]:.6g} m, mean {self.mean:.4g}, 95 % below {self.percentile(95):.4g})"
+        )
 
     @property
     def mean(self) -> float:
@@ -229,7 +238,23 @@ class FourthPower(NamedTuple):
         return float(np.mean(self.values))
 
     def percentile(self, q: float = 95.0) -> float:
-        """Value that q % of the places stay below: 95 % of the road, where it fails first."""
+        """Value that some of the places stay below: 95 % of the road, where it fails first.
+
+        Parameters
+        ----------
+        q : float, optional
+            Share of the places [%], 0 to 100.
+
+        Returns
+        -------
+        float
+            Fourth power of the tire force over the static load, dimensionless.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `q` is no such number.
+        """
         share = check.number("q", q, unit="%")
         if not 0 <= share <= 100:
             raise ValueError(f"q must lie between 0 and 100 %, got {share:g}: type 95")

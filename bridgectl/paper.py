@@ -27,24 +27,34 @@ SEGMENT = 0.1
 
 
 class Row(NamedTuple):
-    """One result: what it is, as printed (None if it is not) and as computed."""
+    """One result beside the printed one, found by `paper_results`."""
 
     what: str
+    """What it is, and where."""
     unit: str
     """'km/h', 'x/l' (a place on the bridge) or '' (an amplification)."""
     printed: float | None
+    """As printed, in the unit `unit`; None if it is not."""
     computed: float
+    """As computed, in the unit `unit`."""
     note: str = ""
+    """What else there is to say of it."""
+
+    def __repr__(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        printed = "nothing" if self.printed is None else f"{self.printed:g}{unit}"
+        note = f" ({self.note})" if self.note else ""
+        return f"Row({self.what}: printed {printed}, computed {self.computed:.5g}{unit}{note})"
 
     @property
     def difference(self) -> float | None:
-        """Computed minus printed, None if nothing is printed."""
+        """Computed minus printed, in the unit `unit`; None if nothing is printed."""
         return None if self.printed is None else self.computed - self.printed
 
 
 @dataclass(frozen=True, eq=False)
 class PaperResults:
-    """The results of the paper, computed.
+    """The results of the paper, computed; made by `paper_results`.
 
     Attributes
     ----------
@@ -57,6 +67,12 @@ class PaperResults:
     rows: tuple[Row, ...]
     unit: RampSurface
     tall: RampSurface
+
+    def __repr__(self) -> str:
+        return (
+            f"PaperResults({len(self.rows)} results, ramps of {self.unit.ramp_height * 1e3:g} mm "
+            f"and {self.tall.ramp_height * 1e3:g} mm, {SPEEDS_KMH[0]:g} to {SPEEDS_KMH[-1]:g} km/h)"
+        )
 
     @property
     def smooth_daf(self) -> list[tuple[float, float]]:

@@ -21,7 +21,7 @@ from bridgectl.road.psd import REFERENCE
 
 
 class Variances(NamedTuple):
-    """Stationary variances of a quarter-car, numbers or arrays of one shape."""
+    """Stationary variances of a quarter-car, found by `variances`, numbers or of one shape."""
 
     body_acceleration: FloatArray
     """Of y_s'' [m^2/s^4]."""
@@ -32,16 +32,31 @@ class Variances(NamedTuple):
     tire_force: FloatArray
     """Of R [N^2]; its root over the static load is the dynamic load coefficient."""
 
+    def __repr__(self) -> str:
+        return (
+            f"Variances(body_acceleration={_span(self.body_acceleration)} m^2/s^4, "
+            f"suspension_travel={_span(self.suspension_travel)} m^2, "
+            f"tire_deflection={_span(self.tire_deflection)} m^2, "
+            f"tire_force={_span(self.tire_force)} N^2)"
+        )
+
 
 class InvariantFrequencies(NamedTuple):
-    """Frequencies [Hz] at which a response does not depend on the suspension's damping."""
+    """Where a response does not depend on the damping, found by `invariant_frequencies`."""
 
     body_acceleration: FloatArray
-    """Of the sprung mass, shape (3,)."""
+    """Of the sprung mass [Hz], shape (3,)."""
     suspension_travel: FloatArray
-    """Shape (1,)."""
+    """Of y_s - y_t [Hz], shape (1,)."""
     tire_force: FloatArray
-    """Shape (2,)."""
+    """Of R [Hz], shape (2,)."""
+
+    def __repr__(self) -> str:
+        told = (
+            f"{name}={', '.join(f'{f:.4g}' for f in values)} Hz"
+            for name, values in self._asdict().items()
+        )
+        return f"InvariantFrequencies({'; '.join(told)})"
 
 
 def white_velocity(
@@ -278,6 +293,12 @@ def invariant_frequencies(car: QuarterCar) -> InvariantFrequencies:
         suspension_travel=_hertz([tire / mass]),
         tire_force=_hertz(np.roots(of_tire)),
     )
+
+
+def _span(values: FloatArray) -> str:
+    """One number, or the least and the largest."""
+    low, high = np.min(values), np.max(values)
+    return f"{low:.4g}" if np.ndim(values) == 0 else f"{low:.4g} to {high:.4g}"
 
 
 def _hertz(squares: ArrayLike) -> FloatArray:

@@ -101,9 +101,11 @@ class _Console(Console):
 
 def make_console() -> Console:
     """Return where to print: not narrower than the tables are wide."""
-    console = _Console(highlight=False, markup=False)
+    # Notebooks get text, which `print` can then return too.
+    plain: Any = {"highlight": False, "markup": False, "force_jupyter": False}
+    console = _Console(**plain)
     # Piped tables are not cut to the terminal that is not there.
-    return console if console.is_terminal else _Console(highlight=False, markup=False, width=WIDTH)
+    return console if console.is_terminal else _Console(**plain, width=WIDTH)
 
 
 def make_table(title: str, columns: Sequence[str], words: Sequence[str] = ()) -> Table:

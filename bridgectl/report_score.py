@@ -112,6 +112,11 @@ def dae_sentences(board: Scoreboard) -> list[str]:
             f"Rank correlation of mean DAE and mean DAF over the {others + 1} strategies: "
             f"{rank_correlation(*means):.2f}."
         )
+    # Eq. (15) is linear in the ramps, which a mirrored road has with the other sign.
+    lines.append(
+        "Over a road and its mirror image the mean DAE is the DAF of the smooth road, whatever the "
+        "damper: mean DAEs tell the roads apart, not the dampers."
+    )
     return lines
 
 

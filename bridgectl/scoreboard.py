@@ -39,12 +39,25 @@ CONFIDENCE = 0.95
 
 
 class Paired(NamedTuple):
-    """A mean difference between two strategies over the same roads, and where it lies for sure."""
+    """A mean difference between two strategies over the same roads, made by `paired`.
+
+    Attributes
+    ----------
+    mean : float
+        Mean over the roads, in the unit of the measure.
+    low, high : float
+        Ends of its 95 % confidence interval (Student's t); NaN for a single road. In the unit of
+        the measure.
+    """
 
     mean: float
     low: float
     high: float
-    """Ends of the 95 % confidence interval (Student's t); NaN for a single road."""
+
+    def __repr__(self) -> str:
+        return (
+            f"Paired({self.mean:.4g}, {CONFIDENCE:.0%} between {self.low:.4g} and {self.high:.4g})"
+        )
 
     @property
     def clear(self) -> bool:
@@ -53,31 +66,46 @@ class Paired(NamedTuple):
 
 
 class Row(NamedTuple):
-    """One strategy: means over roads and speeds unless said otherwise."""
+    """One strategy, made by `score`: means over roads and speeds unless said otherwise."""
 
     strategy: str
+    """Its name."""
     daf: float
+    """DAF [-]."""
     daf_difference: Paired
-    """To the first strategy."""
+    """Of the DAF, to the first strategy [-]."""
     worst_speed: float
     """Where the mean DAF over roads is largest [m/s]."""
     worst_daf: float
     """That DAF."""
     dae: float
+    """DAE [-]."""
     dae_error: float
     """Root mean square of DAE - DAF over roads and speeds."""
     dae_rank: float
     """Spearman's rank correlation of DAE and DAF over roads and speeds."""
     dynamic_load_coefficient: float
+    """See `bridgectl.measures.dynamic_load_coefficient` [-]."""
     fourth_power_95: float
-    """Aggregate fourth power of all speeds that 95 % of the road stays below."""
+    """Aggregate fourth power of all speeds that 95 % of the road stays below [-]."""
     body_acceleration: float
+    """Of the body, rms [m/s^2]."""
     weighted_acceleration: float
+    """The same weighted by W_k (ISO 2631-1), rms [m/s^2]."""
     suspension_travel: float
     """Largest of all roads and speeds [m]."""
     least_force: float
-    """Least of all roads and speeds."""
+    """Least tire force of all roads and speeds over the static load [-]."""
     switching_rate: float
+    """Switches of the damper [1/s]."""
+
+    def __repr__(self) -> str:
+        return (
+            f"Row({self.strategy!r}, DAF {self.daf:.4f}, at {self.worst_speed * 3.6:g} km/h "
+            f"{self.worst_daf:.4f}, DAE {self.dae:.4f}, load coefficient "
+            f"{self.dynamic_load_coefficient:.4f}, body acceleration {self.body_acceleration:.3g} "
+            f"m/s^2, travel up to {self.suspension_travel * 1e3:.3g} mm)"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,14 +123,28 @@ class Scoreboard:
     speeds : ndarray, shape (n_speeds,)
         Speeds c [m/s].
     values : mapping of str to ndarray, shape (n_strategies, n_roads, n_speeds)
-        Every measure of `bridgectl.scoreboard.MEASURES`.
+        Every measure: see `bridgectl.scoreboard.MEASURES`, which has the units.
     daf_smooth : ndarray, shape (n_strategies, n_speeds)
         DAF of a smooth road.
     fourth_power_95 : ndarray, shape (n_strategies, n_roads)
         Fourth power of the tire force over the static load, averaged over the speeds at each place
         of 0.25 m: what 95 % of the places stay below.
-    beam, vehicle, approach
-        What was simulated.
+    beam, vehicle : Beam and QuarterCar
+        Bridge and vehicle.
+    approach : float
+        Road before the bridge that is driven [m].
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.dampers import passive
+    >>> board = bc.score(
+    ...     [passive(7e3), passive(30e3)], bc.li2006.beam(), bc.li2006.car(),
+    ...     [bc.iso8608_profile("A", 25, seed=i) for i in range(2)], 25.0, approach=0, workers=1)
+    >>> board
+    Scoreboard(2 strategies, 2 roads, 1 speeds from 90 to 90 km/h)
+    >>> [row.strategy for row in board.rows()]
+    ['passive 7 kN s/m', 'passive 30 kN s/m']
     """
 
     strategies: tuple[str, ...]
@@ -225,14 +267,32 @@ class Scoreboard:
         return json.dumps(_without_nan(content), indent=1)
 
     def plot(self) -> Figure:
-        """Draw the scores: see `bridgectl.plots.score_figure`."""
+        """Return a figure of the scores: see `bridgectl.plots.score_figure`."""
         from bridgectl.plots import score_figure  # late, for it lies above this module
 
         return score_figure(self)
 
 
 def paired(differences: FloatArray) -> Paired:
-    """Return the mean of some differences with its confidence interval."""
+    """Return the mean of some differences with its confidence interval (Student's t).
+
+    Parameters
+    ----------
+    differences : ndarray, shape (n,)
+        One for each road, in the unit of the measure.
+
+    Returns
+    -------
+    Paired
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bridgectl.scoreboard import paired
+    >>> found = paired(np.array([-0.04, -0.06, -0.05]))
+    >>> f"{found.mean:.3f}, {found.low:.3f} to {found.high:.3f}", found.clear
+    ('-0.050, -0.075 to -0.025', True)
+    """
     from scipy.stats import t  # slow to load
 
     n, mean = len(differences), float(differences.mean())
@@ -244,7 +304,25 @@ def paired(differences: FloatArray) -> Paired:
 
 
 def rank_correlation(first: FloatArray, second: FloatArray) -> float:
-    """Return Spearman's rank correlation; NaN where all values of one are the same."""
+    """Return Spearman's rank correlation; NaN where all values of one are the same.
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (n,)
+        As `paired`: each in a unit of its own, since ranks alone count.
+
+    Returns
+    -------
+    float
+        -1 to 1, dimensionless.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bridgectl.scoreboard import rank_correlation
+    >>> round(rank_correlation(np.array([1.0, 2.0, 3.0]), np.array([1.0, 4.0, 9.0])), 6)
+    1.0
+    """
     from scipy.stats import spearmanr
 
     if np.ptp(first) == 0 or np.ptp(second) == 0:

@@ -155,7 +155,7 @@ def score(
     }
     worst = np.array([np.concatenate([p["fourth_power_95"] for p in own]) for own in done])
     return Scoreboard(
-        names, tuple(d.strategy.c_max if _constant(d) else np.nan for d in devices), labels,
+        names, tuple(np.nan if d.constant is None else d.constant for d in devices), labels,
         study.speeds, values, np.array([own[0]["daf_smooth"] for own in done]), worst,
         beam, vehicle, approach,
     )  # fmt: skip
@@ -232,14 +232,13 @@ def _numbered(index: int, *job: Any) -> tuple[int, dict[str, Any]]:
 def _part(study: _Study, damper: Damper, first: int) -> dict[str, Any]:
     """Score one strategy on some roads: arrays (roads, speeds) of every measure."""
     elevations = study.elevations[first : first + ROADS_AT_ONCE]
-    linear = _constant(damper) and damper.max_force == np.inf
-    ramps = 0 if linear else study.n_ramps
+    ramps = study.n_ramps if damper.constant is None else 0
     run = ramps_and_roads(
         study.crossing, damper, study.speeds, study.stations, ramps, RAMP_HEIGHT, elevations,
         RECORDED,
     )  # fmt: skip
-    if linear:
-        car = replace(study.vehicle, damping=damper.strategy.c_max)
+    if damper.constant is not None:  # its surface is exact, and quick
+        car = replace(study.vehicle, damping=damper.constant)
         surface = ramp_surface(
             study.beam, car, study.speeds, approach=-float(study.stations[0]),
             ramp_length=RAMP_LENGTH, ramp_height=RAMP_HEIGHT,
@@ -294,10 +293,6 @@ def _measure(study: _Study, damper: Damper, run: RampsAndRoads) -> dict[str, Flo
         **{name: np.array(column).T for name, column in columns.items()},
         "fourth_power_95": np.percentile(places, 95, axis=-1),
     }
-
-
-def _constant(damper: Damper) -> bool:
-    return damper.strategy.c_min == damper.strategy.c_max
 
 
 def _header(study: _Study) -> dict[str, Any]:

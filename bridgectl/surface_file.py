@@ -128,8 +128,8 @@ def load_surface(
     path : str or path-like
         A file that `save_surface` wrote.
     beam, vehicle, section, recovery, approach, speeds : optional
-        What the study expects, in SI units as for `ramp_surface`: the file is refused unless it
-        has the same, to 9 digits. Anything is accepted of what is omitted.
+        What the study expects, as in `ramp_surface`, approach [m] and speeds [m/s]: the file is
+        refused unless it has the same, to 9 digits. Anything is accepted of what is omitted.
     others : optional
         Further parameters of the surface, likewise: ``ramp_length=0.1``.
 

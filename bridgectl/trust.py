@@ -33,7 +33,7 @@ class DaeTrust:
     peak_rise : ndarray
         How far the peak moment lies above the moment where a smooth road has its peak. The DAE
         looks at that place: once the peak has moved, or another takes over, it is about so much
-        too low.
+        too low [-].
     lift_off : ndarray of bool
         The tire force falls below 5 % of the static load, or a tire leaves the road.
     tallest_ramp : float or ndarray, shape (n_roads,)
@@ -41,7 +41,7 @@ class DaeTrust:
     iri : float or ndarray, shape (n_roads,)
         IRI over approach and bridge [m/km].
     tolerance : float
-        Rise of the peak that is too much.
+        Rise of the peak that is too much [-].
     """
 
     peak_rise: FloatArray

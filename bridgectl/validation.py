@@ -42,16 +42,20 @@ N_RANDOM, PART, SEED = 1000, 100, 8608
 
 
 class Peak(NamedTuple):
-    """The largest amplification over the speeds."""
+    """The largest amplification over the speeds, found by `validate`."""
 
     value: float
+    """Amplification [-]."""
     speed: float
     """Where it is [m/s]."""
+
+    def __repr__(self) -> str:
+        return f"Peak({self.value:.4f} at {self.speed * 3.6:g} km/h)"
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One road on one bridge: amplifications over speed.
+    """One road on one bridge: amplifications over speed, found by `validate`.
 
     Attributes
     ----------
@@ -79,6 +83,13 @@ class Case:
     simulated: FloatArray
     flying: NDArray[np.bool_]
     lift_off: float | None
+
+    def __repr__(self) -> str:
+        return (
+            f"Case(road {self.road} on {self.span:g} m after {self.approach:g} m, peak DAF "
+            f"{self.daf_peak.value:.4f} at {self.daf_peak.speed * 3.6:g} km/h, peak DAE "
+            f"{self.dae_peak.value:.4f} at {self.dae_peak.speed * 3.6:g} km/h)"
+        )
 
     @property
     def daf_peak(self) -> Peak:
@@ -113,10 +124,10 @@ class Case:
 
 
 class WarningLight(NamedTuple):
-    """How well `bridgectl.dae_trust` tells of large errors of the DAE."""
+    """How well `bridgectl.dae_trust` tells of large errors of the DAE: made by `validate`."""
 
     tolerance: float
-    """Error that is large."""
+    """Error of the DAE that is large [-]."""
     crossings: int
     """Roads times speeds."""
     large: int
@@ -125,6 +136,12 @@ class WarningLight(NamedTuple):
     """Crossings where the light is on."""
     both: int
     """Crossings of a large error where it is."""
+
+    def __repr__(self) -> str:
+        return (
+            f"WarningLight({self.large} of {self.crossings} crossings with errors above "
+            f"{self.tolerance:g}, precision {self.precision:.3g}, recall {self.recall:.3g})"
+        )
 
     @property
     def precision(self) -> float:
@@ -139,7 +156,7 @@ class WarningLight(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ValidationResults:
-    """What `validate` found.
+    """Amplifications of roads on bridges, found by `validate`.
 
     Attributes
     ----------
@@ -158,6 +175,14 @@ class ValidationResults:
     cases: tuple[Case, ...]
     light: WarningLight
 
+    def __repr__(self) -> str:
+        kmh = self.speeds * 3.6
+        return (
+            f"ValidationResults({len(self.cases)} cases of {len(self.roads)} roads, {kmh.size} "
+            f"speeds from {kmh.min():g} to {kmh.max():g} km/h, median difference of peaks "
+            f"{self.median_difference:.2g})"
+        )
+
     @property
     def iri(self) -> FloatArray:
         """IRI of each road [m/km]."""
@@ -173,7 +198,7 @@ class ValidationResults:
 
     @property
     def median_difference(self) -> float:
-        """Median over the cases of the size of the difference of the peaks."""
+        """Median over the cases of the size of the difference of the peaks [-]."""
         return float(np.median([abs(case.peak_difference) for case in self.cases]))
 
     @property

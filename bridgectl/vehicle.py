@@ -45,13 +45,13 @@ class Vehicle:
         Distance d_k of each tire behind the reference tire [m], 0 for that one and 0 or
         more for the others. Default: zeros.
     tire_map : array_like, shape (n_tires, n), optional
-        T: the displacement of each tire's hub from the coordinates. Default: the last
-        n_tires coordinates are the hubs.
+        T, dimensionless for translations: the displacement of each tire's hub from the
+        coordinates. Default: the last n_tires coordinates are the hubs.
     damper_map : array_like, shape (n_dampers, n), optional
-        D: the relative displacement of each controlled damper from the coordinates.
-        Default: no controlled damper.
+        D, as T: the relative displacement of each controlled damper from the coordinates.
+        Dimensionless for translations. Default: no controlled damper.
     heave : array_like, shape (n,), optional
-        Coordinates when the whole vehicle moves down by 1: 1 for a translation (default),
+        Coordinates when the whole vehicle moves down by 1 [m]: 1 for a translation (default),
         0 for a rotation. Gravity acts along it.
     coordinates : sequence of str, optional
         Names of the coordinates. Default: 'y_1', 'y_2', ...
@@ -230,17 +230,17 @@ class Vehicle:
 
     @cached_property
     def displacements(self) -> FloatArray:
-        """Selects the coordinates y from the states [y_1, y_1', y_2, ...], shape (n, 2 n)."""
+        """Selects the coordinates y [m] from the states (y_1, y_1', y_2, ...), shape (n, 2 n)."""
         return np.kron(np.eye(self.n_coordinates), [1.0, 0.0])
 
     @cached_property
     def velocities(self) -> FloatArray:
-        """Selects y' from the states, shape (n, 2 n)."""
+        """Selects the rates y' [m/s] from the states, shape (n, 2 n)."""
         return np.kron(np.eye(self.n_coordinates), [0.0, 1.0])
 
     @cached_property
     def state_matrix(self) -> FloatArray:
-        """State matrix without tires, states [y_1, y_1', y_2, ...], shape (2 n, 2 n)."""
+        """State matrix without tires, states (y_1 [m], y_1' [m/s], y_2, ...), shape (2 n, 2 n)."""
         position, velocity = self.displacements, self.velocities
         forces = self.stiffness_matrix @ position + self.damping_matrix @ velocity
         accelerations = -np.linalg.solve(self.mass_matrix, forces)
@@ -248,23 +248,31 @@ class Vehicle:
 
     @cached_property
     def tire_input(self) -> FloatArray:
-        """Input matrix of the tire forces beyond the static loads, shape (2 n, n_tires)."""
+        """Input matrix of the tire forces beyond the static loads [N], shape (2 n, n_tires)."""
         return np.asarray(-self.velocities.T @ np.linalg.solve(self.mass_matrix, self.tire_map.T))
 
     @cached_property
     def damper_input(self) -> FloatArray:
-        """Input matrix of the damper forces, shape (2 n, n_dampers)."""
+        """Input matrix of the damper forces [N], shape (2 n, n_dampers)."""
         return np.asarray(-self.velocities.T @ np.linalg.solve(self.mass_matrix, self.damper_map.T))
 
     @cached_property
     def hubs(self) -> FloatArray:
-        """Selects the hub displacement of each tire from the states, shape (n_tires, 2 n)."""
+        """Selects the hub displacement [m] of each tire from the states, shape (n_tires, 2 n)."""
         return np.asarray(self.tire_map @ self.displacements)
 
     def state_matrix_on_tires(self, contact: NDArray[np.bool_] | None = None) -> FloatArray:
         """State matrix of the vehicle on those of its tires that touch a rigid road.
 
-        `contact` has shape (n_tires,), by default all do; the result is (2 n, 2 n).
+        Parameters
+        ----------
+        contact : ndarray of bool, shape (n_tires,), optional
+            Which tires touch it; all if omitted.
+
+        Returns
+        -------
+        ndarray, shape (2 n, 2 n)
+            Of the states (y_1 [m], y_1' [m/s], y_2, ...).
         """
         touching = 1.0 if contact is None else contact
         spring = (touching * self.tire_stiffnesses)[:, np.newaxis] * self.hubs

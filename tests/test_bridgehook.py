@@ -232,6 +232,16 @@ def test_a_lag_is_made_up_for_by_what_the_signals_will_be(bridge, truck):
         bridgehook(bridge, truck, SOFT, STIFF, lag=-0.01)
 
 
+def test_the_command_needs_the_speed_whose_law_it_is(bridge, truck):
+    law = bridgehook(bridge, truck, SOFT, STIFF)
+    signals = {"position": [3.0, 9.0], "axle_velocity": 0.1, "suspension_velocity": -0.1}
+    expected = law.for_speed(SPEED).command(speed=SPEED, **signals)
+    assert np.array_equal(law.command(speed=SPEED, **signals), expected)
+    for speed in ({}, {"speed": [20.0, 25.0]}):
+        with pytest.raises(ValueError, match="a law for each speed: type for example command"):
+            law.command(**speed, **signals)
+
+
 # What it does to a bridge
 
 

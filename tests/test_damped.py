@@ -152,6 +152,14 @@ def test_a_preset_damper_takes_roads_of_uneven_stations(bridge, truck):
     assert found.daf == pytest.approx(np.min(each, axis=0), abs=1e-5)
 
 
+def test_a_preset_damper_takes_stations_that_are_even_but_for_round_off(bridge, truck):
+    x = -300 + 0.1 * np.arange(3251)
+    z = iso8608_elevations(1, "A", 325, seed=0)
+    law = dampers.preset(1e3, 30e3, n_dampings=2)
+    own = law.gains_for(bc.Crossing(bridge, truck, 25.0), np.array([25.0]), x, z)["damping"]
+    assert own[0, 0] in (1e3, 30e3)
+
+
 @pytest.mark.parametrize(
     ("use", "error", "message"),
     [
@@ -178,3 +186,13 @@ def test_a_preset_damper_takes_roads_of_uneven_stations(bridge, truck):
 def test_each_mistake_is_named(bridge, truck, use, error, message):
     with pytest.raises(error, match=message):
         use(bridge, truck)
+
+
+def test_a_constant_damper_has_the_passive_daf_and_one_with_a_force_limit_not(bridge, truck, road):
+    stiff = dataclasses.replace(truck, damping=20e3)
+    exact = bc.daf(bridge, stiff, SPEEDS, road, start=-5)
+    for law in (dampers.passive(20e3), Damper(dampers.passive(20e3), lag=0.01)):
+        assert np.array_equal(bc.daf(bridge, truck, SPEEDS, road, start=-5, damper=law), exact)
+    limited = Damper(dampers.passive(20e3), max_force=500.0)
+    found = bc.daf(bridge, truck, SPEEDS, road, start=-5, damper=limited)
+    assert np.abs(found - exact).min() > 1e-4

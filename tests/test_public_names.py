@@ -1,18 +1,205 @@
-"""What `import bridgectl` offers is documented, and what is documented is offered."""
+"""What bridgectl offers is documented, with units, and what is documented is offered.
 
+The public names are those of ``__all__`` where a module has one, and those of `OFFERED`
+elsewhere. Of a class, its own public methods and properties count, and those it inherits from
+another class of the package.
+"""
+
+import ast
+import importlib
 import inspect
 import re
+import textwrap
+from collections.abc import Iterator
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 
 import bridgectl as bc
+from bridgectl import dampers, measures, paper, passive_theory
+from bridgectl.extremes import equal_roughness_pair, extreme_road
+from bridgectl.road import PsdFit, bump
+from bridgectl.scoreboard import MEASURES, Paired, Scoreboard
+from bridgectl.validation import Case, ValidationResults, WarningLight
 
-EXCEPTIONS = {
-    "LiftOffWarning",
-    "ProfileFileError",
-    "SurfaceFileError",
-}  # take what every exception takes
-DOCUMENTED = sorted(name for name in set(bc.__all__) - EXCEPTIONS if callable(getattr(bc, name)))
+WITH_ALL = ("bridgectl", *(f"bridgectl.{m}" for m in ("dampers", "extremes", "plots", "road")))
+
+OFFERED = {
+    "bridgectl.good_roads": ["good_roads"],
+    "bridgectl.li2006": ["beam", "car", "fig7_road"],
+    "bridgectl.measures": [
+        "FourthPower",
+        "aggregate_fourth_power",
+        "dynamic_load_coefficient",
+        "largest",
+        "least_force",
+        "peak_to_peak",
+        "rms",
+        "road_stress_factor",
+        "switching_count",
+    ],
+    "bridgectl.paper": ["PaperResults", "Row", "paper_results"],
+    "bridgectl.passive_theory": [
+        "InvariantFrequencies",
+        "Variances",
+        "comfort_damping",
+        "invariant_frequencies",
+        "road_damping",
+        "variances",
+        "white_velocity",
+    ],
+    "bridgectl.scoreboard": ["Paired", "Row", "paired", "rank_correlation"],
+    "bridgectl.validation": ["Case", "Peak", "ValidationResults", "WarningLight", "validate"],
+    "bridgectl.weighting": ["weighted_acceleration", "weighted_rms", "weighting_filter"],
+}
+"""Public names of modules without ``__all__``; what else is there is for the package itself."""
+
+NUMBERS = re.compile(r"\b(float|ArrayLike|FloatArray|ndarray)\b")
+"""Annotations of what has a unit, or says that it has none."""
+
+UNIT = re.compile(r"\[[^\[\]'`\"]+\]|\b[Ii]n (the unit|N |m/s|Hz|rad/s|km/h)|%")
+DIMENSIONLESS = re.compile(
+    r"\b([Ff]ractions?|[Rr]atios?|[Ss]hares?|[Dd]imensionless|[Nn]umber of|[Cc]ounts?|[Ff]actors?|"
+    r"DAFs?|DAEs?|[Aa]mplifications?|correlation|[Ee]xponent)\b"
+)
+ELSEWHERE = re.compile(r"\b([Ss]ee|[Aa]s( in)?) `")
+
+
+class Offer(NamedTuple):
+    """A function, a class, or a method or property of a class that is public."""
+
+    name: str
+    thing: Any
+    owner: type | None = None
+
+    @property
+    def is_class(self) -> bool:
+        return inspect.isclass(self.thing)
+
+    @property
+    def is_error(self) -> bool:
+        return self.is_class and issubclass(self.thing, BaseException)
+
+    @property
+    def function(self) -> Any:
+        """What is called, or None: errors take what every exception takes."""
+        if isinstance(self.thing, property):
+            return self.thing.fget
+        if isinstance(self.thing, cached_property):
+            return self.thing.func
+        return None if self.is_error else getattr(self.thing, "__func__", self.thing)
+
+    @property
+    def is_property(self) -> bool:
+        return isinstance(self.thing, property | cached_property)
+
+    @property
+    def document(self) -> str:
+        return inspect.getdoc(self.thing) or ""
+
+    @property
+    def sections(self) -> dict[str, str]:
+        """Sections of the docstring by their headings; what is before the first is ''."""
+        parts = re.split(r"^([A-Z][\w ]+)\n-{3,}\n", self.document, flags=re.MULTILINE)
+        return {"": parts[0], **dict(zip(parts[1::2], parts[2::2], strict=True))}
+
+    @property
+    def parameters(self) -> dict[str, inspect.Parameter]:
+        if self.function is None or self.is_property:
+            return {}
+        found = dict(inspect.signature(self.function).parameters)
+        if self.owner is not None:
+            found.pop("self", None)
+            found.pop("cls", None)
+        return found
+
+    @property
+    def told(self) -> dict[str, str]:
+        """What the docstring says of each parameter or attribute, its type included."""
+        told = _fields(self.thing) if self.is_class else {}
+        for heading in ("Parameters", "Attributes"):
+            for entry in re.split(r"\n(?=\S)", self.sections.get(heading, "")):
+                names, _, rest = entry.partition("\n")
+                names, _, kind = names.partition(" : ")
+                told |= {name.strip(" *"): f"{kind}\n{rest}" for name in names.split(",")}
+        return told
+
+
+def _fields(cls: type) -> dict[str, str]:
+    """Strings after the fields of a class."""
+    body = ast.parse(textwrap.dedent(inspect.getsource(cls))).body[0].body
+    return {
+        field.target.id: text.value.value
+        for field, text in pairwise(body)
+        if isinstance(field, ast.AnnAssign)
+        and isinstance(text, ast.Expr)
+        and isinstance(text.value, ast.Constant)
+    }
+
+
+def _offers() -> Iterator[Offer]:
+    seen = set()
+    for module in (*WITH_ALL, *OFFERED):
+        package = importlib.import_module(module)
+        for name in OFFERED.get(module, getattr(package, "__all__", ())):
+            thing = getattr(package, name)
+            if not callable(thing) or id(thing) in seen:
+                continue
+            seen.add(id(thing))
+            yield Offer(f"{module}.{name}", thing)
+            if inspect.isclass(thing):
+                yield from _members(f"{module}.{name}", thing)
+
+
+def _members(name: str, cls: type) -> Iterator[Offer]:
+    for member in dir(cls):
+        owner = next(c for c in cls.__mro__ if member in vars(c))
+        thing = vars(owner)[member]
+        is_field = inspect.isdatadescriptor(thing) and not isinstance(thing, property)
+        if member.startswith("_") or not owner.__module__.startswith("bridgectl") or is_field:
+            continue
+        if inspect.isroutine(thing) or isinstance(thing, property | cached_property):
+            yield Offer(f"{name}.{member}", thing, owner)
+
+
+OFFERS = list(_offers())
+TOP = {offer.name: offer for offer in OFFERS if offer.owner is None}
+
+
+def _with_members(name: str) -> list[Offer]:
+    return [offer for offer in OFFERS if f"{offer.name}.".startswith(f"{name}.")]
+
+
+def _checks(offer: Offer) -> bool:
+    """Whether the code itself checks what it is given: raises, or calls a check."""
+    makers = [offer.function]
+    if offer.is_class:
+        makers = [vars(offer.thing).get(name) for name in ("__init__", "__post_init__")]
+    nodes: list[ast.AST] = []
+    for maker in makers:
+        try:
+            nodes += ast.walk(ast.parse(textwrap.dedent(inspect.getsource(maker))))
+        except (OSError, TypeError):  # made by dataclass or NamedTuple
+            continue
+    return any(
+        isinstance(node, ast.Raise)
+        or (isinstance(node, ast.Name) and node.id in ("check", "_checks"))
+        for node in nodes
+    )
+
+
+def _returned(offer: Offer) -> str:
+    """What is returned, as it is annotated; nothing of classes and of what returns nothing."""
+    if offer.function is None or offer.is_class:
+        return ""
+    return str(inspect.signature(offer.function).return_annotation).removeprefix("None")
+
+
+def _has_unit(text: str) -> bool:
+    return any(pattern.search(text) for pattern in (UNIT, DIMENSIONLESS, ELSEWHERE))
 
 
 @pytest.mark.parametrize("name", bc.__all__)
@@ -20,12 +207,111 @@ def test_a_public_name_exists_and_has_a_docstring(name):
     assert inspect.getdoc(getattr(bc, name))
 
 
-@pytest.mark.parametrize("name", DOCUMENTED)
-def test_every_argument_of_a_public_name_is_documented(name):
-    thing = getattr(bc, name)
-    text = inspect.getdoc(thing)
-    for argument in inspect.signature(thing).parameters:
-        assert re.search(rf"^(.*, )?{argument}(, .*)?( :|$)", text, re.MULTILINE), argument
+@pytest.mark.parametrize("name", TOP)
+def test_every_argument_and_field_is_documented(name):
+    for offer in _with_members(name):
+        fields = getattr(offer.thing, "_fields", ()) if offer.is_class else ()
+        assert offer.document, offer.name
+        assert {*offer.parameters, *fields} <= {*offer.told}, offer.name
+
+
+@pytest.mark.parametrize("name", TOP)
+def test_numbers_have_units_or_say_that_they_have_none(name):
+    for offer in _with_members(name):
+        told = offer.told
+        for key, parameter in offer.parameters.items():
+            if NUMBERS.search(str(parameter.annotation)):
+                assert _has_unit(told[key]), f"{offer.name}: {key}"
+        if NUMBERS.search(_returned(offer)):
+            assert _has_unit(offer.sections[""] + offer.sections.get("Returns", "")), offer.name
+
+
+@pytest.mark.parametrize("name", TOP)
+def test_what_returns_or_checks_has_the_section(name):
+    for offer in _with_members(name):
+        if offer.is_property:
+            continue
+        assert not _checks(offer) or "Raises" in offer.sections, offer.name
+        # A method without arguments tells what it returns in its first line.
+        short = offer.owner and not offer.parameters and offer.document.startswith("Return ")
+        assert not _returned(offer) or "Returns" in offer.sections or short, offer.name
+
+
+@pytest.mark.parametrize("name", [name for name, offer in TOP.items() if not offer.is_error])
+def test_every_function_and_class_has_an_example(name):
+    offer = TOP[name]
+    if ">>> " in offer.sections.get("Examples", ""):
+        return
+    # A class that only a function makes shares the example of that function.
+    maker = re.search(r"\b(made|found) by `(?:[\w.]+\.)?(\w+)`", offer.document, re.IGNORECASE)
+    assert offer.is_class
+    assert maker
+    makers = [other for key, other in TOP.items() if key.endswith(f".{maker[2]}")]
+    assert any(">>> " in other.sections.get("Examples", "") for other in makers)
+
+
+QUANTITY = re.compile(r"\d (m|N|kg|s|Hz|J|mm|ms|m/s|m/km|km/h|cycles/m|kN|1/\(N s\))\b")
+DIMENSIONLESS_CLASSES = (Paired, WarningLight)
+
+
+@pytest.fixture(scope="module")
+def things(bridge, truck):
+    """One of every public class, and of what a public function returns."""
+    speeds = [22.0, 25.0]
+    road = bc.iso8608_profile("A", 25, seed=1)
+    surface = bc.ramp_surface(bridge, truck, speeds, ramp_length=0.5)
+    hook = dampers.bridgehook(bridge, truck, 1e3, 30e3, lag=0.01)
+    loop = dampers.passive(7e3), speeds, road.x, road.elevation
+    case = Case(
+        25.0, 0.0, 1, surface.speeds, *[surface.daf_smooth] * 4, np.zeros(2, dtype=bool), None
+    )
+    x = np.linspace(0, 25, 251)
+    board = Scoreboard(
+        ("passive", "skyhook"), (7e3, np.nan), ("one", "two"), surface.speeds,
+        dict.fromkeys(MEASURES, np.ones((2, 2, 2))), np.ones((2, 2)), np.ones((2, 2)),
+        bridge, truck, 0.0,
+    )  # fmt: skip
+    result = paper.Row("critical speed", "km/h", 105.0, 104.0)
+    light = WarningLight(0.02, 100, 10, 8, 7)
+    return [
+        bridge, truck, truck.linear, bc.Crossing(bridge, truck, 25.0), road, surface, board,
+        *[board.rows()[0], board.difference("skyhook"), bc.dae_trust(surface, road)],
+        dampers.skyhook(1e3, 30e3), hook, dampers.preset(1e3, 30e3), dampers.Damper(hook, lag=0.01),
+        dampers.costate(bridge, truck, 25.0), dampers.peak_value(bridge, truck, 25.0, 1e3, 30e3),
+        dampers.simulate_loop(bridge, truck, *loop, record=["tire_force"]),
+        dampers.Clairvoyant(1.0, 1.1, x, 1e3 + x, 0.01, 1e3, 30e3, "solved"),
+        equal_roughness_pair(surface, road, 25.0), extreme_road(surface, speed=25.0),
+        PsdFit(16e-6, 2.0), bc.utia_road().psd(), bump(-5.0, length=1.0, height=0.03),
+        measures.aggregate_fourth_power(1e5 + 0 * x, 1e5, x),
+        passive_theory.variances(truck, "A", speeds),
+        passive_theory.invariant_frequencies(truck), result,
+        paper.PaperResults((result,), surface, surface),
+        case, case.daf_peak, light, ValidationResults((road,), surface.speeds, (case,), light),
+    ]  # fmt: skip
+
+
+def test_every_class_shows_itself_in_one_line_with_units(things):
+    for thing in things:
+        text = repr(thing)
+        assert text.startswith(f"{type(thing).__name__}("), text
+        assert len(text) < 400, text
+        assert not re.search(r"\n|array\(|\[\.\.\.\]| object at 0x", text), text
+        assert QUANTITY.search(text) or isinstance(thing, DIMENSIONLESS_CLASSES), text
+    classes = {offer.thing for offer in TOP.values() if offer.is_class and not offer.is_error}
+    assert classes <= {type(thing) for thing in things}
+
+
+def test_a_crossing_and_a_damper_tell_every_parameter(bridge, truck):
+    crossing = repr(bc.Crossing(bridge, truck, 25.0, effect="tire_force"))
+    assert repr(bridge) in crossing
+    assert repr(truck) in crossing
+    assert (
+        "speed=25 m/s, section=0.5 of the span, recovery='exact', effect='tire_force'" in crossing
+    )
+    assert repr(dampers.Damper(dampers.passive(7e3), max_force=15e3)) == (
+        "Damper(Strategy('passive 7 kN s/m', c from 7000 to 7000 N s/m), sample_time=0.002 s, "
+        "lag=0 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)"
+    )
 
 
 def test_an_unknown_keyword_is_an_error_that_names_it(bridge, truck):
@@ -37,3 +323,9 @@ def test_the_package_is_typed():
     from importlib.resources import files
 
     assert files("bridgectl").joinpath("py.typed").is_file()
+
+
+def test_tab_completion_lists_what_is_loaded_late():
+    assert {"dampers", "plots", "score", "Scoreboard", "measures", "daf"} <= set(dir(bc))
+    for name in bc.LAZY:
+        assert inspect.ismodule(getattr(bc, name))

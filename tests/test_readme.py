@@ -1,15 +1,24 @@
+import contextlib
+import io
 import re
 from pathlib import Path
 
 README = Path(__file__).parents[1] / "README.md"
 
 
-def test_the_python_of_the_readme_runs_from_top_to_bottom():
-    blocks = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
-    assert len(blocks) >= 2
+def test_the_python_of_the_readme_runs_and_prints_what_it_says():
+    found = re.findall(
+        r"```python\n(.*?)```(?:\n\n```text\n(.*?)```)?",
+        README.read_text(encoding="utf-8"),
+        re.DOTALL,
+    )
+    assert len(found) >= 2
+    assert any(printed for _, printed in found)
     names: dict = {}
-    for block in blocks:
-        exec(compile(block, "README.md", "exec"), names)
+    for block, expected in found:
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            exec(compile(block, "README.md", "exec"), names)
+        assert printed.getvalue() == expected
     assert names["estimate"].shape == (101,)
     assert names["middle"].input_labels == ["road", "damper_force"]
 
@@ -22,6 +31,8 @@ def test_the_setup_commands_are_one_line_each():
     assert commands[1].endswith(".venv/bin/pytest")
 
 
-def test_the_picture_of_the_readme_is_there():
-    picture = re.search(r"!\[.*?\]\((.*?)\)", README.read_text(encoding="utf-8")).group(1)
-    assert (README.parent / picture).is_file()
+def test_what_the_readme_shows_and_links_to_is_there():
+    links = re.findall(r"\]\((?!https?:)(.*?)\)", README.read_text(encoding="utf-8"))
+    assert len(links) > 8
+    for link in links:
+        assert (README.parent / link).is_file(), link

@@ -232,7 +232,11 @@ def test_a_file_of_another_study_is_refused_with_what_differs(roads, tmp_path):
         ({"roads": []}, ValueError, "roads must hold a road, got none"),
         ({"roads": ["road.csv"]}, TypeError, "roads must be a list of RoadProfile"),
         ({"roads": bc.RoadProfile([-10, 40], [0, 0])}, TypeError, "roads must be a list"),
-        ({"roads": [bc.RoadProfile([0, 40], [0, 0])]}, ValueError, "crossing, of road 1, needs -5 m"),
+        (
+            {"roads": [bc.RoadProfile([0, 40], [0, 0])]},
+            ValueError,
+            "of road 1, needs -5 m",
+        ),
         ({"approach": -1}, ValueError, "approach must be 0 or more"),
         ({"departure": -1}, ValueError, "departure must be 0 or more"),
         ({"speeds": []}, ValueError, "speeds"),

@@ -2,9 +2,10 @@
 
 from .actuator import Damper
 from .bridgehook import Bridgehook, Costate, bridgehook, costate
-from .closed_loop import LoopResult, simulate_loop
+from .closed_loop import simulate_loop
 from .laws import add, continuous_skyhook, groundhook, hybrid, passive, pdd, sh_add, skyhook
 from .library import library
+from .loop import LoopResult
 from .lqr import clipped_lqr
 from .optimal import Clairvoyant, clairvoyant
 from .peak_value import PeakValue, peak_value

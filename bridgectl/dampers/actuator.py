@@ -43,8 +43,9 @@ class Damper:
     Examples
     --------
     >>> from bridgectl.dampers import Damper, skyhook
-    >>> Damper(skyhook(1e3, 30e3), lag=0.01).sample_time
-    0.002
+    >>> Damper(skyhook(1e3, 30e3), lag=0.01, max_force=15e3)
+    Damper(Strategy('skyhook', c from 1000 to 30000 N s/m, dead_band=0.0001), sample_time=0.002 s, \
+lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
     """
 
     strategy: Strategy
@@ -66,6 +67,19 @@ class Damper:
             raise ValueError(f"max_force must be above 0 [N], got {self.max_force}")
         check.not_negative("velocity_noise", self.velocity_noise, unit="m/s")
         check.integer("seed", self.seed, at_least=0)
+
+    @property
+    def constant(self) -> float | None:
+        """Damping [N s/m] of a damper that never changes it, and so is linear; None of others."""
+        same = self.strategy.c_min == self.strategy.c_max and self.max_force == np.inf
+        return self.strategy.c_max if same else None
+
+    def __repr__(self) -> str:
+        return (
+            f"Damper({self.strategy!r}, sample_time={self.sample_time:g} s, lag={self.lag:g} s, "
+            f"max_force={self.max_force:g} N, velocity_noise={self.velocity_noise:g} m/s, "
+            f"seed={self.seed})"
+        )
 
 
 def as_damper(damper: Damper | Strategy) -> Damper:

@@ -29,6 +29,7 @@ from typing import Any, NamedTuple
 import casadi as ca
 import control
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
@@ -60,12 +61,19 @@ FAR = 1e9
 
 
 class Costate(NamedTuple):
-    """Sensitivity of the peak moment of a smooth road's crossing to the damper force."""
+    """Sensitivity of a smooth road's peak moment to the damper force; made by `costate`."""
 
     positions: FloatArray
     """Places of the reference tire [m], increasing, up to that of the peak."""
     sigma: FloatArray
     """dM(t*) / dF_d per time [1/(N s)], M over its static peak; same shape."""
+
+    def __repr__(self) -> str:
+        return (
+            f"Costate({len(self.positions)} places from x = {self.positions[0]:.4g} m to "
+            f"{self.positions[-1]:.4g} m, sigma from {self.sigma.min():.3g} to "
+            f"{self.sigma.max():.3g} 1/(N s))"
+        )
 
 
 @on_one_thread
@@ -128,7 +136,26 @@ def costate(
 
 
 class Bridgehook(Strategy):
-    """The bridgehook strategy; made by `bridgehook`. At each speed it has its own law."""
+    """The bridgehook strategy; made by `bridgehook`. At each speed it has its own law.
+
+    Parameters
+    ----------
+    beam, vehicle, c_min, c_max, section, feedback, lag
+        See `bridgehook`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        See `bridgehook`.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.dampers import bridgehook
+    >>> bridgehook(bc.li2006.beam(), bc.li2006.car(), 1e3, 30e3)
+    Bridgehook('bridgehook', c from 1000 to 30000 N s/m, for a bridge of 25 m, feedback=True, \
+lag=0 s)
+    """
 
     def __init__(
         self,
@@ -146,13 +173,29 @@ class Bridgehook(Strategy):
         self.laws: dict[float, Strategy] = {}
         super().__init__("bridgehook", self._untold, c_min, c_max)
 
+    def __repr__(self) -> str:
+        return (
+            f"Bridgehook({self.name!r}, c from {self.c_min:g} to {self.c_max:g} N s/m, for a "
+            f"bridge of {self.beam.length:g} m, feedback={self.feedback}, lag={self.lag:g} s)"
+        )
+
     @staticmethod
     def _untold(s: Any, g: Any) -> Any:
         """Without a speed there is no law: see `for_speed`."""
         return g.c_min + 0 * s.speed
 
     def for_speed(self, speed: float) -> Strategy:
-        """Return the law at a speed [m/s]."""
+        """Return the law at a speed.
+
+        Parameters
+        ----------
+        speed : float
+            Speed c [m/s].
+
+        Returns
+        -------
+        Strategy
+        """
         if speed not in self.laws:
             self.laws[speed] = self._made(speed)
         return self.laws[speed]
@@ -165,11 +208,61 @@ class Bridgehook(Strategy):
         return _feedback_law(peak_value(*case, *bounds, section=self.section, reach=REACH), self)
 
     def system(self, speed: float) -> control.NonlinearIOSystem:
-        """Return the law at a speed [m/s] as an I/O block: see `Strategy.system`."""
+        """Return the law at a speed as an I/O block: see `Strategy.system`.
+
+        Parameters
+        ----------
+        speed : float
+            Speed c [m/s].
+
+        Returns
+        -------
+        control.NonlinearIOSystem
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `speed` is not above 0 m/s.
+        """
         return self.for_speed(check.positive("speed", speed, unit="m/s")).system(speed)
+
+    def command(self, **signals: ArrayLike) -> FloatArray:
+        """Evaluate the command at one speed, one of the signals: see `Strategy.command`.
+
+        Parameters
+        ----------
+        signals : array_like
+            See `Strategy.command`; `speed` [m/s] must be among them, one number.
+
+        Returns
+        -------
+        ndarray
+            Damping c [N s/m], of their shape.
+
+        Raises
+        ------
+        ValueError
+            If `speed` is not a number above 0 [m/s].
+        """
+        if np.ndim(signals.get("speed", ())) != 0:
+            raise ValueError(
+                "bridgehook has a law for each speed: type for example command(speed=25.0, ...)"
+            )
+        speed = check.positive("speed", signals["speed"], unit="m/s")
+        return self.for_speed(speed).command(**signals)
 
     def to_c(self, path: str | Path) -> Path:
         """Refuse: a C file holds the law of one speed.
+
+        Parameters
+        ----------
+        path : str or Path
+            See `Strategy.to_c`.
+
+        Returns
+        -------
+        Path
+            Never.
 
         Raises
         ------
@@ -203,9 +296,12 @@ def bridgehook(
 
     Parameters
     ----------
-    beam, vehicle, section
-        The bridge, the vehicle with its passive damping, and the section of the moment: what
-        sigma is computed for.
+    beam : Beam
+        The bridge that sigma is computed for.
+    vehicle : QuarterCar
+        The vehicle, with its passive damping.
+    section : float, optional
+        Section of the moment, as a fraction of the span.
     c_min, c_max : float
         Bounds of the damping [N s/m].
     feedback : bool, optional
@@ -215,6 +311,10 @@ def bridgehook(
     lag : float, optional
         Time [s] by which the damper is late, as its `Damper.lag`: position and velocities are
         taken that much later, as c t and by the accelerations, which then are measured too.
+
+    Returns
+    -------
+    Bridgehook
 
     Raises
     ------

@@ -12,10 +12,12 @@ from bridgectl._threads import on_one_thread
 from bridgectl.crossing import Crossing
 from bridgectl.propagator import merge_places
 from bridgectl.ramps import FeedbackHistories
+from bridgectl.response import daf
 from bridgectl.simulation import Run
 
 from .actuator import Damper, as_damper, bare_vehicle
-from .closed_loop import Ends, Loop, LoopResult, simulate_loop
+from .closed_loop import simulate_loop
+from .loop import Ends, Loop, LoopResult
 from .steps import SUSPENSION
 from .strategy import Strategy
 
@@ -23,6 +25,11 @@ from .strategy import Strategy
 def damped_dafs(run: Run, damper: Damper | Strategy, speeds: FloatArray) -> FloatArray:
     """Return the DAF of one road at some speeds [m/s], shape (n_speeds,)."""
     crossing, x = run.crossing, _stations(run, np.zeros(0))
+    if (constant := as_damper(damper).constant) is not None:
+        return daf(
+            crossing.beam, replace(bare_vehicle(crossing.vehicle), damping=constant), speeds,
+            run.profile, start=run.start, section=crossing.section, recovery=crossing.recovery,
+        )  # fmt: skip
     found = simulate_loop(
         crossing.beam, bare_vehicle(crossing.vehicle), damper, speeds, x, -run.road(x)[:, 0],
         section=crossing.section, recovery=crossing.recovery,

@@ -25,7 +25,23 @@ damping-invariant frequency of body acceleration."""
 
 
 def passive(damping: float, name: str = "") -> Strategy:
-    """Return a constant damper, c = `damping` [N s/m].
+    """Return a constant damper.
+
+    Parameters
+    ----------
+    damping : float
+        Its damping c [N s/m].
+    name : str, optional
+        What tables call it; its damping if omitted.
+
+    Returns
+    -------
+    Strategy
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not what is described above.
 
     Examples
     --------
@@ -47,6 +63,10 @@ def skyhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Stra
     dead_band : float, optional
         Suspension velocity [m/s] below which the command is c_min.
 
+    Returns
+    -------
+    Strategy
+
     References
     ----------
     D. Karnopp, M. J. Crosby, R. A. Harwood, J. Eng. Ind. 96 (1974) 619-626.
@@ -66,7 +86,18 @@ def continuous_skyhook(
 ) -> Strategy:
     """Return the clipped skyhook: c = gain y_s' / v where y_s' v > 0, c_min elsewhere.
 
-    `gain` is the damping [N s/m] to the sky.
+    Parameters
+    ----------
+    c_min, c_max : float
+        Bounds of the damping [N s/m].
+    gain : float, optional
+        Damping to the sky [N s/m].
+    dead_band : float, optional
+        Suspension velocity [m/s] below which the command is c_min.
+
+    Returns
+    -------
+    Strategy
 
     References
     ----------
@@ -97,6 +128,17 @@ def groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> S
     inertial meaning of C. A. Pare and M. Ahmadian. Valasek's meaning, the axle against the surface
     that the tire meets, is `tire_groundhook`.
 
+    Parameters
+    ----------
+    c_min, c_max : float
+        Bounds of the damping [N s/m].
+    dead_band : float, optional
+        Suspension velocity [m/s] below which the command is c_min.
+
+    Returns
+    -------
+    Strategy
+
     References
     ----------
     Both meanings: Machines 13 (2025) 727, Sections 3.1.1 and 3.1.2.
@@ -114,9 +156,24 @@ def hybrid(
     c_min: float, c_max: float, *, share: float = 0.5, gain: float = 30e3,
     dead_band: float = DEAD_BAND,
 ) -> Strategy:  # fmt: skip
-    """Return a mix of skyhook (`share`) and groundhook (1 - `share`).
+    """Return a mix of skyhook and groundhook.
 
-    F = gain [share y_s' where y_s' v > 0, minus (1 - share) y_t' where -y_t' v > 0]; c = F / v.
+    F = gain (share y_s' where y_s' v > 0, minus (1 - share) y_t' where -y_t' v > 0); c = F / v.
+
+    Parameters
+    ----------
+    c_min, c_max : float
+        Bounds of the damping [N s/m].
+    share : float, optional
+        Fraction of the skyhook in it, 0 to 1; the rest is the groundhook's.
+    gain : float, optional
+        Damping to sky and ground together [N s/m].
+    dead_band : float, optional
+        Suspension velocity [m/s] below which the command is c_min.
+
+    Returns
+    -------
+    Strategy
 
     References
     ----------
@@ -147,6 +204,17 @@ def hybrid(
 def add(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy:
     """Return acceleration-driven damping: c_max where y_s'' v > 0, c_min elsewhere.
 
+    Parameters
+    ----------
+    c_min, c_max : float
+        Bounds of the damping [N s/m].
+    dead_band : float, optional
+        Suspension velocity [m/s] below which the command is c_min.
+
+    Returns
+    -------
+    Strategy
+
     References
     ----------
     S. M. Savaresi, E. Silani, S. Bittanti, J. Dyn. Syst. Meas. Control 127 (2005) 218-229.
@@ -166,7 +234,18 @@ def sh_add(
 ) -> Strategy:  # fmt: skip
     """Return the mix of skyhook and ADD: skyhook while y_s''^2 <= (crossover y_s')^2, else ADD.
 
-    `crossover` [rad/s] parts slow body motion, the skyhook's, from fast.
+    Parameters
+    ----------
+    c_min, c_max : float
+        Bounds of the damping [N s/m].
+    crossover : float, optional
+        Angular frequency [rad/s] that parts slow body motion, the skyhook's, from fast.
+    dead_band : float, optional
+        Suspension velocity [m/s] below which the command is c_min.
+
+    Returns
+    -------
+    Strategy
 
     References
     ----------
@@ -192,7 +271,20 @@ def pdd(c_min: float, c_max: float, *, stiffness: float, dead_band: float = DEAD
     """Return power-driven damping: keep spring and damper together from driving the body.
 
     With travel d: c_min where K_s d v + c_min v^2 >= 0, c_max where K_s d v + c_max v^2 < 0, and
-    -K_s d / v between. `stiffness` is K_s [N/m].
+    -K_s d / v between.
+
+    Parameters
+    ----------
+    c_min, c_max : float
+        Bounds of the damping [N s/m].
+    stiffness : float
+        Stiffness of the suspension K_s [N/m].
+    dead_band : float, optional
+        Suspension velocity [m/s] below which the command is c_min.
+
+    Returns
+    -------
+    Strategy
 
     References
     ----------

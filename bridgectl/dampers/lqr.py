@@ -86,13 +86,17 @@ def clipped_lqr(
     c_min, c_max : float
         Bounds of the damping [N s/m].
     body_acceleration : float, optional
-        q_1.
+        q_1, dimensionless: the other weights are relative to it.
     suspension_travel, tire_deflection : float, optional
         q_2 and q_3 [1/s^4], above 0. Default: see the notes.
     damper_force : float, optional
         rho [m^2/(s^4 N^2)]. A damper needs no power for its force, so 0.
     dead_band : float, optional
         Suspension velocity [m/s] below which the command is c_min.
+
+    Returns
+    -------
+    Strategy
 
     Raises
     ------

@@ -40,7 +40,8 @@ from bridgectl.simulation import Run, prepare
 
 from .actuator import Damper
 from .bridgehook import costate
-from .closed_loop import LoopResult, simulate_loop
+from .closed_loop import simulate_loop
+from .loop import LoopResult
 from .optimal_steps import Steps, join, march
 from .strategy import Strategy
 
@@ -77,14 +78,14 @@ SOLVER: Any = {
 
 @dataclass(frozen=True, eq=False)
 class Clairvoyant:
-    """What `clairvoyant` finds.
+    """The damping of the least peak moment, found by `clairvoyant`.
 
     Attributes
     ----------
     daf : float
-        Peak moment over the peak static one, by `simulate_loop` with this damping.
+        Peak moment over the peak static one [-], by `simulate_loop` with this damping.
     passive_daf : float
-        The same with the vehicle's own damping, kept within the damper's range.
+        The same [-] with the vehicle's own damping, kept within the damper's range.
     positions : ndarray, shape (n,)
         Where the intervals start [m].
     damping : ndarray, shape (n,)
@@ -105,6 +106,14 @@ class Clairvoyant:
     c_min: float
     c_max: float
     status: str
+
+    def __repr__(self) -> str:
+        return (
+            f"Clairvoyant(DAF {self.daf:.4f}, passive {self.passive_daf:.4f}, "
+            f"{len(self.damping)} dampings from x = {self.positions[0]:.4g} m to "
+            f"{self.positions[-1]:.4g} m held {self.step * 1e3:g} ms, c from {self.c_min:g} to "
+            f"{self.c_max:g} N s/m)"
+        )
 
     @cached_property
     def damper(self) -> Damper:

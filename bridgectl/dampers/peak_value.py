@@ -64,7 +64,7 @@ MEASURED = [1, 3]
 class PeakValue(NamedTuple):
     """Worth of a damper force dV / dF = constant + body y_s' + axle y_t', by place.
 
-    V is the peak moment to be expected over the peak static moment.
+    V is the peak moment to be expected over the peak static moment. Made by `peak_value`.
     """
 
     positions: FloatArray
@@ -75,6 +75,14 @@ class PeakValue(NamedTuple):
     """Per body velocity [1/(N m)], same shape."""
     axle: FloatArray
     """Per axle velocity [1/(N m)], same shape."""
+
+    def __repr__(self) -> str:
+        return (
+            f"PeakValue({len(self.positions)} places from x = {self.positions[0]:.4g} m to "
+            f"{self.positions[-1]:.4g} m, constant up to {abs(self.constant).max():.3g} 1/(N s), "
+            f"body up to {abs(self.body).max():.3g} and axle up to {abs(self.axle).max():.3g} "
+            "1/(N m))"
+        )
 
 
 @on_one_thread

@@ -10,6 +10,8 @@ import numpy as np
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.crossing import Crossing
+from bridgectl.propagator import SAME_PLACE
+from bridgectl.road.limits import evenly_spaced
 from bridgectl.surface import ramp_surface
 
 from .actuator import bare_vehicle
@@ -24,13 +26,21 @@ class Preset(Strategy):
         bounds = {"damping": (float(self.dampings[0]), float(c_min), float(c_max))}
         super().__init__("preset", lambda s, g: g.damping + 0 * s.speed, c_min, c_max, bounds)
 
+    def __repr__(self) -> str:
+        return (
+            f"Preset({self.name!r}, one of {self.dampings.size} dampings from {self.c_min:g} to "
+            f"{self.c_max:g} N s/m)"
+        )
+
     def gains_for(
         self, crossing: Crossing, speeds: FloatArray, stations: FloatArray, elevations: FloatArray
     ) -> Mapping[str, FloatArray]:
         """Return the damping of the smallest DAF of each crossing [N s/m], by superposition."""
-        last = int(np.searchsorted(stations, crossing.beam.length - 1e-9))
-        step = float(np.diff(stations).min())
-        if np.ptp(np.diff(stations)) > 1e-6:
+        last = int(np.searchsorted(stations, crossing.beam.length - SAME_PLACE))
+        if evenly_spaced(stations):
+            step = float(stations[last] - stations[0]) / last
+        else:
+            step = float(np.diff(stations).min())
             even = stations[0] + step * np.arange(int((stations[last] - stations[0]) / step) + 1)
             elevations = np.array([np.interp(even, stations, z) for z in elevations])
             last = len(even) - 1
@@ -64,6 +74,10 @@ def preset(c_min: float, c_max: float, *, n_dampings: int = 9) -> Preset:
         Bounds of the damping [N s/m].
     n_dampings : int, optional
         How many dampings it chooses from.
+
+    Returns
+    -------
+    Preset
 
     Raises
     ------

@@ -39,6 +39,10 @@ def program(
         'steps' has the damping of a place from it on up to the next, 'lines' joins them by straight
         lines. Either has the first damping before the first place and the last after the last.
 
+    Returns
+    -------
+    Strategy
+
     Raises
     ------
     TypeError, ValueError

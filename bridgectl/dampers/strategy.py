@@ -127,13 +127,37 @@ class Strategy:
         return f"Strategy({self.name!r}, c from {self.c_min:g} to {self.c_max:g} N s/m{gains})"
 
     def renamed(self, name: str) -> Strategy:
-        """Return the strategy under another name."""
+        """Return the strategy under another name.
+
+        Parameters
+        ----------
+        name : str
+            What tables call it.
+
+        Returns
+        -------
+        Strategy
+
+        Raises
+        ------
+        TypeError
+            If it is not a string, or empty.
+        """
         other = copy(self)
         other.name = _name(name)
         return other
 
     def with_gains(self, **values: float) -> Strategy:
         """Return the strategy with other values of some gains.
+
+        Parameters
+        ----------
+        values : float
+            Gains by name, each in a unit of its own: see `gains`.
+
+        Returns
+        -------
+        Strategy
 
         Raises
         ------
@@ -152,7 +176,17 @@ class Strategy:
         return changed
 
     def for_speed(self, speed: float) -> Strategy:
-        """Return the law at a speed [m/s]: itself, but for strategies that depend on it."""
+        """Return the law at a speed: itself, but for strategies that depend on it.
+
+        Parameters
+        ----------
+        speed : float
+            Speed c [m/s].
+
+        Returns
+        -------
+        Strategy
+        """
         return self
 
     def gains_for(
@@ -170,7 +204,7 @@ class Strategy:
         Returns
         -------
         mapping
-            To arrays of shape (S, R).
+            To arrays of shape (S, R), in the units of the gains. See `preset`.
         """
         return {}
 
@@ -199,7 +233,18 @@ class Strategy:
         return ca.Function("damping", [signals, gains], [command], ["signals", "gains"], ["c"])
 
     def command(self, **signals: ArrayLike) -> FloatArray:
-        """Evaluate the command [N s/m] for arrays of signals of one shape; others are 0.
+        """Evaluate the command for arrays of signals.
+
+        Parameters
+        ----------
+        signals : array_like
+            Signals by name, of shapes that broadcast: see `bridgectl.dampers.SIGNALS` for units.
+            Others are 0.
+
+        Returns
+        -------
+        ndarray
+            Damping c [N s/m], of their shape.
 
         Raises
         ------
@@ -219,8 +264,22 @@ class Strategy:
     def evaluate(self, rows: FloatArray, gains: FloatArray | None = None) -> FloatArray:
         """Evaluate the command by CasADi, case by case.
 
-        `rows` has the `SIGNALS`, shape (n_signals, count), and `gains` the gains of each case,
-        (n_gains, count), by default the strategy's own.
+        Parameters
+        ----------
+        rows : ndarray, shape (n_signals, count)
+            The signals of each case: see `bridgectl.dampers.SIGNALS` for order and units.
+        gains : ndarray, shape (n_gains, count), optional
+            The gains of each case, as `with_gains` takes them; the strategy's own if omitted.
+
+        Returns
+        -------
+        ndarray, shape (count,)
+            Damping c [N s/m].
+
+        Raises
+        ------
+        ValueError
+            If the law returns NaN.
         """
         if gains is None:
             gains = np.tile([[value] for value in self.gains.values()], (1, rows.shape[1]))
@@ -242,6 +301,11 @@ class Strategy:
             'damper_force' [N] and 'damping' [N s/m], evaluated without delay. The crossing's own
             vehicle must have damping 0, and no acceleration or tire force may be measured: those
             depend on the damper force itself.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `speed` is not above 0 m/s, or the law measures an acceleration or a tire force.
         """
         velocity = check.positive("speed", speed, unit="m/s")
         measured = ("body_velocity", "axle_velocity", "suspension_travel", "suspension_velocity")
@@ -282,6 +346,11 @@ class Strategy:
         -------
         Path
             The file written.
+
+        Raises
+        ------
+        ValueError
+            If the name does not end in .c.
         """
         file = Path(path)
         if file.suffix != ".c":

@@ -38,6 +38,10 @@ def tire_groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND)
     dead_band : float, optional
         Suspension velocity [m/s] below which the command is c_min.
 
+    Returns
+    -------
+    Strategy
+
     Raises
     ------
     TypeError, ValueError
@@ -92,6 +96,10 @@ def extended_groundhook(
         dK_10 and dK_12 [N/m].
     dead_band : float, optional
         Suspension velocity [m/s] below which the command is c_min.
+
+    Returns
+    -------
+    Strategy
 
     Raises
     ------
@@ -181,6 +189,10 @@ def selective_groundhook(
         In rad/s. Default: 2 pi times the upper of the two frequencies.
     dead_band : float, optional
         Suspension velocity [m/s] below which the command is c_min.
+
+    Returns
+    -------
+    Strategy
 
     Raises
     ------

@@ -43,7 +43,7 @@ class EqualRoughnessPair:
     iri : ndarray, shape (2,)
         IRI of both [m/km].
     psd_difference : float
-        Largest relative difference of their periodograms.
+        Largest difference of their periodograms, as a fraction.
     """
 
     first: RoadProfile

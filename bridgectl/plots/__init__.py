@@ -4,12 +4,14 @@ The functions return axes or figures and leave `matplotlib.pyplot` alone: save w
 ``figure.savefig(path)``, or ``axes.figure.savefig(path)``.
 """
 
+from .animation import crossing_animation
 from .bridge import dae_figure, lines_plot, paper_figure, smooth_daf_plot, surface_plot
 from .roads import pair_figure, profile_figure, psd_plot
 from .scores import score_figure
 from .validation import validation_figure
 
 __all__ = [
+    "crossing_animation",
     "dae_figure",
     "lines_plot",
     "pair_figure",

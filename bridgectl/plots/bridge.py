@@ -128,6 +128,18 @@ def smooth_daf_plot(surface: RampSurface, ax: Axes | None = None) -> Axes:
     Returns
     -------
     matplotlib.axes.Axes
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Fig. 2.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.plots import smooth_daf_plot
+    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
+    >>> smooth_daf_plot(surface).get_ylabel()
+    'DAF, smooth road [-]'
     """
     ax = new_axes(ax)
     ax.plot(*_curve(surface, surface.daf_smooth), color=BLACK, **_dots(surface))
@@ -252,6 +264,17 @@ def paper_figure(results: PaperResults) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Figs. 2, 5 and 6.
+
+    Examples
+    --------
+    >>> from bridgectl.paper import paper_results
+    >>> from bridgectl.plots import paper_figure
+    >>> paper_figure(paper_results()).axes[0].get_title(loc="left")
+    'Fig. 2: DAF of a smooth road'
     """
     figure = Figure(figsize=(10.0, 10.5), layout="constrained")
     panels = figure.subplot_mosaic([["2", "2"], ["5(a)", "5(b)"], ["6(a)", "6(b)"]])

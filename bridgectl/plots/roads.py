@@ -96,6 +96,17 @@ def psd_plot(psd: RoadPsd, ax: Axes | None = None) -> Axes:
     Returns
     -------
     matplotlib.axes.Axes
+
+    References
+    ----------
+    ISO 8608:2016, Annex B.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.plots import psd_plot
+    >>> psd_plot(bc.utia_road().psd()).get_xlabel()
+    'wave number n [cycles/m]'
     """
     ax = new_axes(ax)
     _draw_spectra(ax, [psd])
@@ -122,6 +133,22 @@ def pair_figure(
     Returns
     -------
     matplotlib.figure.Figure
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Fig. 3.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.extremes import equal_roughness_pair
+    >>> from bridgectl.plots import pair_figure
+    >>> speeds = [22.0, 25.0]
+    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), speeds)
+    >>> pair = equal_roughness_pair(surface, bc.iso8608_profile("A", 25, seed=1), 25.0)
+    >>> figure = pair_figure(pair, speeds, surface.superposed_daf([pair.first, pair.second]))
+    >>> [axes.get_ylabel() for axes in figure.axes]
+    ['elevation, up [mm]', '$G_d$ [m³]', 'DAF [-]']
     """
     figure = Figure(figsize=(10.0, 7.4), layout="constrained")
     panels = figure.subplot_mosaic([["roads", "roads"], ["spectra", "daf"]], height_ratios=(1, 1.3))

@@ -89,7 +89,18 @@ class RoadEvent:
         return hash((self.x.size, *self.x[[0, -1]], float(self.rise.sum())))
 
     def rise_at(self, x: ArrayLike) -> FloatArray:
-        """Return the change of elevation [m], positive up, at stations `x` [m] of any shape."""
+        """Return the change of elevation at stations.
+
+        Parameters
+        ----------
+        x : array_like, any shape
+            Stations [m].
+
+        Returns
+        -------
+        ndarray, same shape as `x`
+            Change of elevation [m], positive up.
+        """
         return np.asarray(np.interp(np.asarray(x, dtype=np.float64), self.x, self.rise))
 
 

@@ -145,6 +145,10 @@ steps 0.1 to 21.9 m)
         start, stop : float, optional
             The stations are ``start + i * step`` up to `stop` [m]; the ends of the road if omitted.
 
+        Returns
+        -------
+        RoadProfile
+
         Raises
         ------
         ValueError
@@ -174,6 +178,10 @@ steps 0.1 to 21.9 m)
         order : int
             0 takes out the mean, 1 a straight line (the grade), 2 a parabola, and so on.
 
+        Returns
+        -------
+        RoadProfile
+
         Raises
         ------
         ValueError
@@ -189,14 +197,43 @@ steps 0.1 to 21.9 m)
         return self._trusted(self._x, self._elevation - trend(self._x), self._name)
 
     def crop(self, start: float, stop: float) -> RoadProfile:
-        """Return the road from `start` to `stop` [m], interpolated at these two ends."""
+        """Return the road from one station to another, interpolated at these two ends.
+
+        Parameters
+        ----------
+        start, stop : float
+            The ends [m].
+
+        Returns
+        -------
+        RoadProfile
+
+        Raises
+        ------
+        ValueError
+            If they are outside the road, or do not increase.
+        """
         first, last = self._stretch(start, stop)
         inside = self._x[(self._x > first + TOLERANCE) & (self._x < last - TOLERANCE)]
         stations = np.concatenate([[first], inside, [last]])
         return self._trusted(stations, self._interpolated(stations), self._name)
 
     def place_bridge(self, station: float) -> RoadProfile:
-        """Return the road with its stations measured from `station` [m], the start of the bridge.
+        """Return the road with its stations measured from the start of a bridge.
+
+        Parameters
+        ----------
+        station : float
+            Station of the start of the bridge [m].
+
+        Returns
+        -------
+        RoadProfile
+
+        Raises
+        ------
+        ValueError
+            If it is outside the road.
 
         Examples
         --------
@@ -207,12 +244,37 @@ steps 0.1 to 21.9 m)
         return self._trusted(self._x - origin, self._elevation, self._name)
 
     def level(self, x: float = 0.0) -> RoadProfile:
-        """Return the road shifted to elevation 0 at `x` [m], where a vehicle then starts level."""
+        """Return the road shifted to elevation 0 at a station, where a vehicle then starts level.
+
+        Parameters
+        ----------
+        x : float
+            The station [m].
+
+        Returns
+        -------
+        RoadProfile
+
+        Raises
+        ------
+        ValueError
+            If it is outside the road.
+        """
         datum = self._interpolated(self._inside("x", x))
         return self._trusted(self._x, self._elevation - datum, self._name)
 
     def elevation_at(self, x: ArrayLike) -> FloatArray:
-        """Return the elevation [m], positive up, at stations `x` [m] of any shape.
+        """Return the elevation at stations.
+
+        Parameters
+        ----------
+        x : array_like, any shape
+            Stations [m].
+
+        Returns
+        -------
+        ndarray, same shape as `x`
+            Elevation [m], positive up.
 
         Raises
         ------
@@ -340,7 +402,7 @@ steps 0.1 to 21.9 m)
         Parameters
         ----------
         window : float, optional
-            Average over the last `window` metres; from the start of the road if omitted.
+            Length [m] behind each station that is averaged; from the start of the road if omitted.
 
         Returns
         -------
@@ -392,7 +454,17 @@ steps 0.1 to 21.9 m)
         return road_psd(self._x, self._elevation, segment, window, self._name)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the elevation [mm] over the station [m] and return the matplotlib axes."""
+        """Draw the elevation [mm] over the station [m].
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; those of a new pyplot figure if omitted.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
         import matplotlib.pyplot as plt  # here, so that no crossing waits for matplotlib
 
         if ax is None:

@@ -51,7 +51,14 @@ def class_roughness(iso_class: str, level: str = "mean") -> float:
     Parameters
     ----------
     iso_class : {"A", "B", "C", "D", "E", "F", "G", "H"}
+        The class.
     level : {"lower", "mean", "upper"}
+        Its geometric mean or one of its limits.
+
+    Returns
+    -------
+    float
+        G_d(n_0) [m^3].
 
     Raises
     ------
@@ -75,12 +82,25 @@ def class_roughness(iso_class: str, level: str = "mean") -> float:
 
 
 class PsdFit(NamedTuple):
-    """The straight line of ISO 8608 through a spectrum."""
+    """The straight line of ISO 8608 through a spectrum, found by `RoadPsd.fit`.
+
+    Examples
+    --------
+    >>> from bridgectl.road import PsdFit
+    >>> PsdFit(roughness=16e-6, waviness=2.0)
+    PsdFit(G_d(n_0) 1.6e-05 m^3, waviness 2, class A)
+    """
 
     roughness: float
     """G_d(n_0) [m^3]."""
     waviness: float
     """w [-]."""
+
+    def __repr__(self) -> str:
+        return (
+            f"PsdFit(G_d(n_0) {self.roughness:.3g} m^3, waviness {self.waviness:.3g}, "
+            f"class {self.iso_class})"
+        )
 
     @property
     def iso_class(self) -> str:
@@ -100,9 +120,15 @@ class RoadPsd:
     density : ndarray, shape (n,)
         G_d [m^3].
     averages : float
-        How many independent stretches of road each density averages.
+        Number of independent stretches of road that each density averages.
     name : str
         Label for plots.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> bc.utia_road().psd()
+    RoadPsd('UTIA road', 200 wave numbers from 0.01 to 2 cycles/m, 8.6 averages)
     """
 
     wavenumber: FloatArray
@@ -126,7 +152,8 @@ class RoadPsd:
         Parameters
         ----------
         waviness : float, optional
-            Fit G_d(n_0) alone at this waviness, as 2 for the classes; both if omitted.
+            Fit G_d(n_0) alone at this exponent of the spectrum, 2 for the classes; both if
+            omitted.
         band : pair of float
             Wave numbers [cycles/m] that count.
 
@@ -188,7 +215,17 @@ class RoadPsd:
         return place, np.log(mean) - digamma(m) + np.log(m)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the spectrum over the ISO 8608 classes: see `bridgectl.plots.psd_plot`."""
+        """Draw the spectrum over the ISO 8608 classes: see `bridgectl.plots.psd_plot`.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if omitted.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
         from bridgectl.plots import psd_plot  # late, for it lies above and loads matplotlib
 
         return psd_plot(self, ax=ax)

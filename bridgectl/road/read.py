@@ -74,6 +74,10 @@ def read_profile(
         Name of the road; if omitted the file name without its suffix, and the track's label if
         there are several.
 
+    Returns
+    -------
+    RoadProfile
+
     Raises
     ------
     ProfileFileError
@@ -124,6 +128,11 @@ def read_tracks(
         What the names of the roads begin with; the file name without its suffix if omitted. The
         label of the track follows, or its number if it has none, unless there is only one.
 
+    Returns
+    -------
+    list of RoadProfile
+        In the order of the file.
+
     Raises
     ------
     ProfileFileError, TypeError, ValueError
@@ -150,6 +159,17 @@ def utia_road() -> RoadProfile:
     It is profile_1.txt of github.com/michalsorel/iri, MIT License, Copyright (c) 2023 Michal Sorel,
     Filip Sroubek (notice beside the data file). It has a grade and an elevation above sea level,
     and stations of its own: `RoadProfile.place_bridge` puts a bridge on it.
+
+    Returns
+    -------
+    RoadProfile
+
+    Examples
+    --------
+    >>> from bridgectl.road import utia_road
+    >>> utia_road().place_bridge(678).crop(-200, 25)
+    RoadProfile('UTIA road', 901 points, x from -200 m to 25 m, elevation from 582.014 m to
+    583.143 m, step 0.25 m)
     """
     data = resources.files(__package__) / "data" / "utia_profile_1.txt"
     with resources.as_file(data) as path:

@@ -21,17 +21,39 @@ class Stations:
         return self._x
 
     def covers(self, start: float, stop: float) -> bool:
-        """Tell whether the road reaches from `start` to `stop` [m], to within 1e-9 m."""
+        """Tell whether the road reaches from one station to another, to within 1e-9 m.
+
+        Parameters
+        ----------
+        start, stop : float
+            The stations [m].
+
+        Returns
+        -------
+        bool
+
+        Raises
+        ------
+        TypeError, ValueError
+            If one of them is not a finite number.
+        """
         first, last = check.number("start", start), check.number("stop", stop)
         return bool(self._x[0] - TOLERANCE <= first <= last <= self._x[-1] + TOLERANCE)
 
     def require(self, start: float, stop: float, what: str = "the crossing") -> None:
-        """Refuse a road that does not reach from `start` to `stop` [m], approach plus bridge.
+        """Refuse a road that does not reach from one station to another, approach plus bridge.
+
+        Parameters
+        ----------
+        start, stop : float
+            The stations [m].
+        what : str, optional
+            What needs the road, for the message.
 
         Raises
         ------
         ValueError
-            If it does not. The message says `what` needs the stretch, and what to do.
+            If it does not. The message says what needs the stretch, and what to do.
         """
         if self.covers(start, stop):
             return

@@ -1,7 +1,7 @@
 """Time the full score of one strategy against simulating each crossing with the control library.
 
 Run ``python tests/benchmarks/score.py [NAME]`` from the top of the repository: 101 speeds of 50 to
-150 km/h, a unit ramp at each of 250 places, and 20 roads. Ratios are what to quote, machines differ.
+150 km/h, a unit ramp at each of 250 places, and 20 roads. Quote ratios: machines differ.
 """
 
 from __future__ import annotations
@@ -38,7 +38,9 @@ def main(name="skyhook"):
     level = bc.RoadProfile(0.1 * np.arange(251), np.zeros(251))
     one = np.mean(
         [
-            timed(lambda c=c: loop_of_the_control_library(beam, car, Damper(law), c / 3.6, level), 1)
+            timed(
+                lambda c=c: loop_of_the_control_library(beam, car, Damper(law), c / 3.6, level), 1
+            )
             for c in SAMPLE
         ]
     )

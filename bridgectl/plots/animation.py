@@ -1,0 +1,354 @@
+"""A crossing in slow motion: the vehicle on the bridge, its moment and its tire force."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import control
+import numpy as np
+from matplotlib.animation import FuncAnimation
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.markers import CARETUP
+from matplotlib.patches import Circle, FancyBboxPatch, Polygon
+
+from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
+from bridgectl.beam import Beam
+from bridgectl.crossing import Crossing
+from bridgectl.quarter_car import QuarterCar
+from bridgectl.response import crossing_response
+from bridgectl.road import RoadProfile
+
+from .style import (
+    BLACK,
+    BLUE,
+    BRIDGE_TINT,
+    DECK,
+    GREY,
+    GROUND,
+    PAVEMENT,
+    STATION_LABEL,
+    VERMILLION,
+    styled,
+)
+
+if TYPE_CHECKING:
+    from bridgectl.dampers import Damper, Strategy
+
+BEFORE, AFTER = 0.3, 0.26
+"""How much road is shown before and after the bridge, in spans."""
+
+RUNS_UP, ROLLS_ON = 0.16, 0.12
+"""How far the vehicle is followed before and behind the bridge, in spans."""
+
+BETWEEN = 8
+"""Points of the curves from one frame to the next."""
+
+SIZE, LEFT, WIDTH = (8.0, 5.4), 0.1, 0.875
+"""Size of the figure [in], left edge and width of its panels, as fractions of it."""
+
+SCENE, MOMENT, FORCE = (0.545, 0.395), (0.31, 0.185), (0.095, 0.135)
+"""Bottom and height of the three panels, as fractions of the figure."""
+
+TIRE, SPRING, BODY = 0.032, 0.075, (0.15, 0.06)
+"""Radius of the tire, length of the spring and size of the body, as fractions of the width."""
+
+DEFLECTED, RIDING = 0.035, 0.035
+"""About how tall deflection and road, or ride, are drawn, as fractions of the width."""
+
+COILS, POINTS = 6, 201
+"""Coils of the spring, and points of the bridge besides the road's stations: one at mid-span."""
+
+
+class _Motion(NamedTuple):
+    """What is drawn, at every point of the curves [SI units]; displacements are downward."""
+
+    x: FloatArray
+    """Position of the tire."""
+    moment: FloatArray
+    """Moment over the peak static one."""
+    force: FloatArray
+    """Tire force over the static load."""
+    squeeze: FloatArray
+    """Tire's compression beyond the static one."""
+    travel: FloatArray
+    """Suspension's compression beyond the static one."""
+    modes: FloatArray
+    """Modal deflections of the beam, shape (m, n_modes)."""
+
+
+@styled
+def crossing_animation(
+    beam: Beam,
+    vehicle: QuarterCar,
+    speed: float,
+    profile: RoadProfile | None = None,
+    *,
+    damper: Damper | Strategy | None = None,
+    start: float = 0.0,
+    frames: int = 100,
+    fps: float = 20.0,
+) -> FuncAnimation:
+    """Animate a crossing: the vehicle on the deflected bridge, moment and tire force below it.
+
+    Body, spring, axle and tire roll over the road at x = c t, from a little before the bridge (or
+    from `start`, if that is nearer) to a little behind it. The vertical scale is exaggerated, by
+    one factor for the bridge's deflection and by another for the road and the compression of tire
+    and suspension: the picture names both. Moment and tire force build up below, as fractions of
+    the peak static moment and of the static load.
+
+    Parameters
+    ----------
+    beam : Beam
+        The bridge.
+    vehicle : QuarterCar
+        The vehicle.
+    speed : float
+        Speed c [m/s].
+    profile : RoadProfile, optional
+        The road, covering `start` to the end of the bridge; level beyond its end. Default: a
+        smooth road.
+    damper : bridgectl.dampers.Damper or Strategy, optional
+        A semi-active damper in place of the vehicle's own.
+    start : float, optional
+        Where the vehicle starts, in equilibrium [m]: 0, or negative for a start on the approach.
+    frames : int, optional
+        Number of frames, 2 or more.
+    fps : float, optional
+        Frames per second [1/s]. The title tells how much slower than the crossing this is.
+
+    Returns
+    -------
+    matplotlib.animation.FuncAnimation
+        Save it with ``animation.save("crossing.gif", writer="pillow")``, or show it in a notebook
+        with ``IPython.display.HTML(animation.to_jshtml())``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong kind or range, or the road does not cover the approach and
+        the bridge.
+
+    Warns
+    -----
+    LiftOffWarning
+        If the tire leaves the road; the tire force is then zero.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import bridgectl as bc
+    >>> from bridgectl.plots import crossing_animation
+    >>> animation = crossing_animation(bc.li2006.beam(), bc.li2006.car(), 110 / 3.6, frames=3)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     animation.save(Path(folder) / "crossing.gif", writer="pillow")
+    ...     (Path(folder) / "crossing.gif").read_bytes()[:6]
+    b'GIF89a'
+    """
+    if not isinstance(vehicle, QuarterCar):
+        raise TypeError(
+            f"vehicle must be a bridgectl.QuarterCar to be drawn, got {type(vehicle).__name__}"
+        )
+    crossing = Crossing(beam, vehicle, speed)
+    count = check.integer("frames", frames, at_least=2)
+    rate = check.positive("fps", fps)
+    c, span = crossing.speed, beam.length
+    first = max(check.number("start", start, unit="m"), -RUNS_UP * span)
+    x = np.linspace(first, (1 + ROLLS_ON) * span, BETWEEN * (count - 1) + 1)
+    response = crossing_response(
+        beam, vehicle, c, profile, start=start, damper=damper, tail=(ROLLS_ON + 0.01) * span / c,
+        timepts=x / c,
+    )  # fmt: skip
+    scene = _Scene(crossing, profile, start, _motion(crossing, response))
+    slower = count / rate / ((x[-1] - x[0]) / c)
+    scene.name(slower)
+    return FuncAnimation(
+        scene.figure, scene.draw, frames=count, interval=1000 / rate, repeat=True, blit=False
+    )
+
+
+def _motion(crossing: Crossing, response: control.TimeResponseData) -> _Motion:
+    outputs, states = np.asarray(response.outputs), np.asarray(response.states)
+    signal = dict(zip(response.output_labels, outputs, strict=True))
+    x, modes = response.time * crossing.speed, states[crossing.n_vehicle :: 2].T
+    weight, stiffness = crossing.linear.static_loads[0], crossing.linear.tire_stiffnesses[0]
+    force = signal["tire_force"]
+    return _Motion(
+        x,
+        signal["moment"],
+        force / weight,
+        (force - weight) / stiffness,
+        signal["y_s"] - signal["y_t"],
+        modes,
+    )
+
+
+class _Scene:
+    """The figure, and what moves in it."""
+
+    def __init__(
+        self, crossing: Crossing, profile: RoadProfile | None, start: float, motion: _Motion
+    ) -> None:
+        span = crossing.beam.length
+        self.crossing, self.motion = crossing, motion
+        self.window = (-BEFORE * span, (1 + AFTER) * span)
+        self.unit = self.window[1] - self.window[0]
+        inner = np.zeros(0) if profile is None else profile.x
+        inside = (inner > self.window[0]) & (inner < self.window[1])
+        on_bridge = np.linspace(0.0, span, POINTS)
+        self.x = np.unique(np.concatenate([inner[inside], on_bridge, self.window]))
+        rise = np.zeros_like(self.x) if profile is None else -profile.drop(self.x, start)
+        # The road is drawn from where the bridge begins.
+        self.rise = rise - np.interp(0.0, self.x, rise)
+        self.on = (self.x >= 0) & (self.x <= span)
+        self.shapes = crossing.beam.mode_shapes(self.x)
+        deflections = np.abs(motion.modes @ crossing.beam.mode_shapes(span / 2))
+        self.by_bridge = _round_factor(DEFLECTED * self.unit / float(deflections.max()))
+        ride = max(float(np.abs(part).max()) for part in (self.rise, motion.squeeze, motion.travel))
+        self.by_ride = _round_factor(RIDING * self.unit / max(ride, 1e-3))
+
+        self.figure = Figure(figsize=SIZE, dpi=100)
+        FigureCanvasAgg(self.figure)
+        self.scene = self.figure.add_axes((LEFT, SCENE[0], WIDTH, SCENE[1]))
+        self._draw_ground()
+        self._draw_vehicle()
+        self.moment, self.moment_now = self._panel(MOMENT, BLUE, "moment", "moment\n$M / M_0$ [-]")
+        self.force, self.force_now = self._panel(
+            FORCE, VERMILLION, "tire force", "tire force\n$R / W$ [-]"
+        )
+        self._finish_panels()
+
+    def name(self, slower: float) -> None:
+        """Write the title, and the scales of what is drawn."""
+        shown = f"{slower:.2g} times slower" if slower >= 1 else f"{1 / slower:.2g} times faster"
+        span, kmh = self.crossing.beam.length, self.crossing.speed * 3.6
+        self.scene.set_title(f"{kmh:.4g} km/h over a bridge of {span:g} m, {shown} than it is")
+        self.scene.text(
+            0.995, 0.97,
+            f"drawn taller: deflection of the bridge {self.by_bridge:g} times,\n"
+            f"road, tire and suspension {self.by_ride:g} times",
+            transform=self.scene.transAxes, ha="right", va="top", color=GREY, fontsize=8.5,
+        )  # fmt: skip
+
+    def draw(self, frame: int) -> list[Any]:
+        """Move everything to a frame."""
+        i, m, unit = BETWEEN * frame, self.motion, self.unit
+        sag = -self.by_bridge * (self.shapes @ m.modes[i])
+        deck, road = sag[self.on], sag + self.by_ride * self.rise
+        along = self.x[self.on]
+        top = deck + self.under
+        self.deck.set_xy(_band(along, top, top - 0.014 * unit))
+        self.pavement.set_xy(_band(along, road[self.on], top))
+        self.road.set_data(self.x, road)
+        # The tire stands on the road as drawn; from there upward, compressions add.
+        x = float(m.x[i])
+        axle = float(np.interp(x, self.x, road)) + TIRE * unit - self.by_ride * m.squeeze[i]
+        body = axle + SPRING * unit - self.by_ride * m.travel[i]
+        self.tire.set_center((x, axle))
+        self.hub.set_data([x], [axle])
+        self.spring.set_data(*_coils(x, axle, body, 0.012 * unit))
+        self.body.set_x(x - BODY[0] * unit / 2)
+        self.body.set_y(body)
+        self.axle.set_data([x, x], [axle, axle + 0.012 * unit])
+        past = slice(i + 1)
+        self.moment.set_data(m.x[past], m.moment[past])
+        self.force.set_data(m.x[past], m.force[past])
+        self.moment_now.set_data([x], [m.moment[i]])
+        self.force_now.set_data([x], [m.force[i]])
+        peak = int(m.moment[past].argmax())
+        self.peak.set_data([m.x[peak]], [m.moment[peak]])
+        self.peak_text.set_text(f"largest so far: {m.moment[peak]:.3f}")
+        return []
+
+    def _draw_ground(self) -> None:
+        """Ground, bridge and road; the bridge is moved by `draw`."""
+        ax, unit, span = self.scene, self.unit, self.crossing.beam.length
+        heights = self.by_ride * self.rise
+        self.under = min(0.0, float(heights[self.on].min())) - 0.006 * unit
+        low = min(-0.1 * unit, self.under - 0.065 * unit)
+        ratio = SIZE[1] * SCENE[1] / (SIZE[0] * WIDTH)
+        # One metre is as tall as it is long.
+        ax.set(xlim=self.window, ylim=(low, low + ratio * unit), yticks=[])
+        ax.axvspan(0, span, color=BRIDGE_TINT, zorder=0)
+        for side in (self.x <= 0, self.x >= span):
+            ax.fill_between(self.x[side], heights[side], low, color=GROUND, lw=0)
+        foot = self.under - 0.014 * unit
+        ax.plot([0, span], [foot] * 2, ls="none", marker=CARETUP, ms=11, color=DECK, clip_on=False)
+        self.deck = Polygon(np.zeros((3, 2)), color=DECK, lw=0, zorder=1.5)
+        self.pavement = Polygon(np.zeros((3, 2)), color=PAVEMENT, lw=0, zorder=1.4)
+        for part in (self.deck, self.pavement):
+            ax.add_patch(part)
+        (self.road,) = ax.plot([], [], color=BLACK, lw=1.2, label="road")
+        ax.grid(False)
+        ax.spines["left"].set_visible(False)
+        ax.tick_params(labelbottom=False)
+
+    def _draw_vehicle(self) -> None:
+        """Body, spring, axle and tire, moved by `draw`."""
+        ax, unit = self.scene, self.unit
+        self.tire = Circle((0, 0), TIRE * unit, fc="#4a4a4a", ec=BLACK, lw=1.0, zorder=4)
+        self.tire.set_label("tire")
+        ax.add_patch(self.tire)
+        (self.axle,) = ax.plot([], [], color=BLACK, lw=2.0, zorder=5)
+        (self.hub,) = ax.plot([], [], "o", ms=8, mfc="#d9d9d9", mec=BLACK, zorder=5, label="hub")
+        (self.spring,) = ax.plot([], [], color=BLACK, lw=1.3, zorder=3)
+        self.body = FancyBboxPatch(
+            (0, 0), BODY[0] * unit, BODY[1] * unit, fc=VERMILLION, ec=BLACK, lw=1.0, zorder=4,
+            boxstyle=f"round,pad=0,rounding_size={0.008 * unit}", label="body",
+        )  # fmt: skip
+        ax.add_patch(self.body)
+
+    def _panel(
+        self, place: tuple[float, float], color: str, name: str, label: str
+    ) -> tuple[Any, Any]:
+        """A curve over the position of the tire, and its end."""
+        ax = self.figure.add_axes((LEFT, place[0], WIDTH, place[1]), sharex=self.scene)
+        ax.axvspan(0, self.crossing.beam.length, color=BRIDGE_TINT, zorder=0)
+        (curve,) = ax.plot([], [], color=color, lw=1.8, label=name)
+        (now,) = ax.plot([], [], "o", color=color, ms=6)
+        ax.set_ylabel(label)
+        return curve, now
+
+    def _finish_panels(self) -> None:
+        """Static lines, limits and labels of the curves."""
+        m, crossing = self.motion, self.crossing
+        above: Axes = self.moment.axes
+        below: Axes = self.force.axes
+        peak = crossing.section * crossing.beam.length
+        static = crossing.beam.influence_line(m.x) / crossing.beam.influence_line(peak)
+        above.plot(m.x, static, ":", color=GREY, lw=1.4, label="static")
+        (self.peak,) = above.plot([], [], "o", ms=7, mfc="none", mec=BLACK, mew=1.2)
+        self.peak_text = above.text(
+            0.995, 0.95, "", transform=above.transAxes, ha="right", va="top", color=BLACK
+        )
+        above.set_ylim(min(-0.1, float(m.moment.min()) - 0.1), float(m.moment.max()) + 0.15)
+        above.tick_params(labelbottom=False)
+        above.legend(loc="upper left", handlelength=1.6, borderaxespad=0.2)
+        below.axhline(1.0, color=GREY, ls=":", lw=1.4)
+        reach = max(0.1, 1.15 * float(np.abs(m.force - 1).max()))
+        below.set(ylim=(1 - reach, 1 + reach), xlabel=f"tire at {STATION_LABEL}")
+        self.figure.align_ylabels([above, below])
+
+
+def _band(x: FloatArray, above: FloatArray, below: FloatArray) -> FloatArray:
+    """Outline of what lies between two lines, shape (2 m, 2)."""
+    return np.column_stack([np.append(x, x[::-1]), np.append(above, below[::-1])])
+
+
+def _coils(x: float, low: float, high: float, width: float) -> tuple[FloatArray, FloatArray]:
+    """Zigzag of a spring between two heights."""
+    sides = np.concatenate([[0, 0], np.tile([1.0, -1.0], COILS), [0, 0]])
+    inner = np.linspace(0.2, 0.8, 2 * COILS + 2)
+    heights = low + (high - low) * np.concatenate([[0.0], inner, [1.0]])
+    return x + width * sides, heights
+
+
+def _round_factor(value: float) -> float:
+    """The largest of 1, 2, 5, 10, 20, ... that is not above a value of 1 or more."""
+    if value < 1:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(step for step in (1, 2, 5) if step * power <= value) * power)
