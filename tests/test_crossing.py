@@ -94,6 +94,7 @@ def test_python_control_simulates_the_crossing_to_the_papers_1_1302(bridge, truc
     assert response.outputs["moment"].max() == pytest.approx(1.13023, abs=3e-5)
 
 
+@pytest.mark.slow
 def test_a_users_skyhook_closes_around_the_crossing(bridge, truck):
     """Continuous skyhook on top of the passive damper, as an nlsys in interconnect."""
     speed, skyhook_damping, most = 25.0, 30e3, 20e3
@@ -141,6 +142,7 @@ def test_a_users_skyhook_closes_around_the_crossing(bridge, truck):
     assert loop.dynamics(x[middle] / speed, state, [inputs[middle]]) == pytest.approx(by_hand)
 
 
+@pytest.mark.slow
 def test_a_damper_added_through_the_input_is_a_larger_passive_damper(bridge, truck):
     speed, extra = 30.0, 5e3
     damper = ct.ss([], [], [], [[extra]], inputs=["suspension_velocity"], outputs=["damper_force"])

@@ -73,6 +73,7 @@ def test_the_10_mm_ramp_lowers_the_daf_most_near_a_quarter_of_the_span(bridge, t
     assert surface.daf_unit[0, near].min() == pytest.approx(1.064, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_the_surface_is_that_of_control_library_simulations_of_every_ramp(truck):
     beam = bc.Beam(9.0, 16875.0, 3.5e10 * 0.1139)
     study = {"approach": 1.5, "ramp_length": 1.5}
@@ -95,6 +96,7 @@ def test_superposed_daf_is_the_simulated_daf_on_random_roads(bridge, truck, seed
     assert surface.superposed_daf(road) == pytest.approx(simulated, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_superposed_daf_is_what_the_control_library_simulates(bridge, truck):
     road = rough_road(11, -60, 25)
     speeds = np.array([70, 110]) / 3.6

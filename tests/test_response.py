@@ -11,7 +11,9 @@ import bridgectl as bc
 UM = 1e-6
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize(
+    "seed", [*range(8), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(8, 20))]
+)
 def test_the_propagator_path_is_the_control_library_path(seed):
     """Moment histories within 1e-6 of M_0 on random beams, vehicles, speeds and roads."""
     case = random_case(seed)

@@ -80,6 +80,7 @@ def test_bridgehook_pushes_against_the_costate_and_rests_after_the_peak():
     assert law.command(position=[-80.0, 20.0], suspension_velocity=0.1) == pytest.approx([7e3, 7e3])
 
 
+@pytest.mark.slow
 def test_the_costate_is_what_a_small_force_changes_in_the_peak_moment(bridge, truck):
     """A pulse of 100 N over 10 mm at one place, through the control library."""
     speed, width, force = 25.0, 0.01, 100.0
@@ -116,6 +117,7 @@ def test_a_law_of_ones_own_takes_named_gains_and_they_can_be_changed():
     assert own.used == ["suspension_velocity"]
 
 
+@pytest.mark.slow
 def test_a_strategy_as_a_block_closes_the_loop_around_a_crossing(bridge, truck):
     """A constant damper through `interconnect` is the passive crossing."""
     import dataclasses
