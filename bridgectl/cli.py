@@ -13,7 +13,6 @@ from typing import Any, NoReturn
 import bridgectl as bc
 from bridgectl.cli_score import SCORE_HELP, add_score_options, run_score
 from bridgectl.options import (
-    RAMP_LENGTH,
     add_bridge_options,
     add_file_options,
     add_output_options,
@@ -212,7 +211,7 @@ def _run_dae(args: argparse.Namespace) -> None:
     road, station = _road(args, beam.length)
     with working("computing the ramp surface"):
         surface = bc.ramp_surface(
-            beam, vehicle, speeds, approach=args.approach, ramp_length=RAMP_LENGTH,
+            beam, vehicle, speeds, approach=args.approach,
             section=args.section, recovery=args.recovery,
         )  # fmt: skip
     with working("superposing and simulating"):

@@ -12,9 +12,7 @@ import numpy as np
 import bridgectl as bc
 from bridgectl._checks import FloatArray
 from bridgectl.recovery import RECOVERIES
-
-RAMP_LENGTH = 0.1
-"""Length of the ramps [m], as in the paper."""
+from bridgectl.surface import RAMP_LENGTH
 
 SPEEDS_KMH = (1.0, 1000.0)
 """Speeds that make sense [km/h]: a crawling vehicle needs cells, and memory, without end."""

@@ -6,6 +6,7 @@ its ramp surface and with it the DAE, the simulated DAF, and the measures of tir
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 import os
@@ -32,11 +33,8 @@ from bridgectl.ramps import FeedbackHistories
 from bridgectl.road import RoadProfile
 from bridgectl.score_file import Parts
 from bridgectl.scoreboard import MEASURES, Scoreboard
-from bridgectl.surface import ramp_surface
+from bridgectl.surface import RAMP_HEIGHT, RAMP_LENGTH, ramp_surface
 from bridgectl.weighting import weighted_rms
-
-RAMP_LENGTH, RAMP_HEIGHT = 0.1, 1e-3
-"""The unit ramp [m]: the paper's."""
 
 RECORDED = ("tire_force", "body_acceleration", "suspension_travel")
 
@@ -241,7 +239,6 @@ def _part(study: _Study, damper: Damper, first: int) -> dict[str, Any]:
         car = replace(study.vehicle, damping=damper.constant)
         surface = ramp_surface(
             study.beam, car, study.speeds, approach=-float(study.stations[0]),
-            ramp_length=RAMP_LENGTH, ramp_height=RAMP_HEIGHT,
             section=study.section, recovery=study.recovery,
         )  # fmt: skip
     else:
@@ -298,8 +295,8 @@ def _measure(study: _Study, damper: Damper, run: RampsAndRoads) -> dict[str, Flo
 def _header(study: _Study) -> dict[str, Any]:
     """What two studies share if their parts fit together."""
     return {
-        "beam": repr(study.beam),
-        "vehicle": repr(study.vehicle),
+        "beam": dataclasses.asdict(study.beam),
+        "vehicle": dataclasses.asdict(study.vehicle),
         "speeds": study.speeds.tolist(),
         "stations": [study.stations[0], study.stations[-1], len(study.stations)],
         "section": study.section,
@@ -312,7 +309,7 @@ def _key(damper: Damper, study: _Study) -> str:
     ends = [damper.strategy.for_speed(float(c)) for c in study.speeds[[0, -1]]]
     text = json.dumps(
         [
-            type(damper.strategy).__name__,
+            repr(damper.strategy),  # what a strategy chooses gains from is in no function
             [law.function.serialize() for law in ends],
             damper.strategy.gains,
             [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],

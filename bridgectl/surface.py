@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from bridgectl.dampers import Damper, Strategy
 
 
+RAMP_LENGTH, RAMP_HEIGHT = 0.1, 1e-3
+"""The unit ramp of the paper [m]: a drop of 1 mm over 100 mm."""
+
+
 @on_one_thread
 def ramp_surface(
     beam: Beam,
@@ -35,8 +39,8 @@ def ramp_surface(
     speeds: ArrayLike,
     *,
     approach: float = 0.0,
-    ramp_length: float = 0.1,
-    ramp_height: float = 1e-3,
+    ramp_length: float = RAMP_LENGTH,
+    ramp_height: float = RAMP_HEIGHT,
     section: float = 0.5,
     recovery: str = "exact",
     effect: str = "moment",

@@ -183,6 +183,25 @@ def test_a_file_serves_more_strategies_and_changed_ones_are_done_again(roads, tm
         assert np.array_equal(found.values["daf"], fresh.values["daf"])
 
 
+def test_a_strategy_that_chooses_its_gains_otherwise_is_done_again(roads, tmp_path):
+    file = tmp_path / "score.jsonl"
+    for n_dampings in (2, 5):
+        law = dampers.preset(1e3, 30e3, n_dampings=n_dampings)
+        found = scored(roads[:1], [law], resume=file)
+        assert np.array_equal(found.values["daf"], scored(roads[:1], [law]).values["daf"])
+
+
+def test_a_vehicle_that_differs_in_the_last_digits_is_another_study(roads, tmp_path):
+    file = tmp_path / "score.jsonl"
+    scored(roads[:1], STRATEGIES[:1], resume=file)
+    heavier = dataclasses.replace(bc.li2006.car(), sprung_mass=9000.0001)
+    with pytest.raises(ValueError, match="another study: its vehicle is"):
+        bc.score(
+            STRATEGIES[:1], bc.li2006.beam(), heavier, roads[:1], SPEEDS, approach=5.0,
+            departure=2.0, workers=1, resume=file,
+        )  # fmt: skip
+
+
 def test_other_roads_of_a_file_are_done_again(roads, tmp_path):
     file = tmp_path / "score.jsonl"
     scored(roads[:1], STRATEGIES[:1], resume=file)
