@@ -16,24 +16,13 @@ SOFT, STIFF = 1e3, 30e3
 
 
 def laws(beam, car):
-    """Every law of the library, for a crossing."""
+    """Every law of the library, and programs, for a crossing."""
+    own, *others = dampers.library(beam, car, SOFT, STIFF)
     return {
-        "passive": dampers.passive(7e3),
-        "preset": dampers.preset(SOFT, STIFF, n_dampings=4),
+        "passive": own,
+        **{law.name: law for law in others},
         "program": dampers.program([-2, 3, 6], [7e3, STIFF, SOFT]),
         "program of lines": dampers.program([-2, 3, 6], [7e3, STIFF, SOFT], shape="lines"),
-        "skyhook": dampers.skyhook(SOFT, STIFF),
-        "continuous skyhook": dampers.continuous_skyhook(SOFT, STIFF),
-        "groundhook": dampers.groundhook(SOFT, STIFF),
-        "tire groundhook": dampers.tire_groundhook(SOFT, STIFF),
-        "extended groundhook": dampers.extended_groundhook(SOFT, STIFF, vehicle=car),
-        "selective groundhook": dampers.selective_groundhook(SOFT, STIFF, vehicle=car),
-        "hybrid": dampers.hybrid(SOFT, STIFF),
-        "ADD": dampers.add(SOFT, STIFF),
-        "SH-ADD": dampers.sh_add(SOFT, STIFF),
-        "PDD": dampers.pdd(SOFT, STIFF, stiffness=car.suspension_stiffness),
-        "clipped LQR": dampers.clipped_lqr(car, SOFT, STIFF),
-        "bridgehook": dampers.bridgehook(beam, car, SOFT, STIFF),
     }
 
 

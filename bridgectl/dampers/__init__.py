@@ -1,8 +1,9 @@
 """Semi-active dampers: strategies as CasADi expressions, and crossings with them in the loop."""
 
 from .actuator import Damper
-from .bridgehook import Bridgehook, Costate, bridgehook, costate
+from .bridgehook import Bridgehook, bridgehook
 from .closed_loop import simulate_loop
+from .costate import Costate, costate
 from .laws import add, continuous_skyhook, groundhook, hybrid, passive, pdd, sh_add, skyhook
 from .library import library
 from .loop import LoopResult

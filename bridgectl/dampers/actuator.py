@@ -92,6 +92,6 @@ def bare_vehicle(vehicle: Vehicle | QuarterCar) -> QuarterCar:
     if not isinstance(vehicle, QuarterCar):
         raise TypeError(
             f"vehicle must be a QuarterCar, got {type(vehicle).__name__}: other vehicles have "
-            "passive dampers only"
+            "passive dampers only, type for example bridgectl.li2006.car()"
         )
     return replace(vehicle, damping=0.0)

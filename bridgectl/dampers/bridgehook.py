@@ -24,7 +24,7 @@ from __future__ import annotations
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import control
@@ -33,19 +33,12 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
-from bridgectl.crossing import Crossing
-from bridgectl.peaks import find_peaks
-from bridgectl.propagator import SAME_PLACE, build_cells
 from bridgectl.quarter_car import QuarterCar
-from bridgectl.simulation import effect_samples, prepare, propagate
 
+from .costate import REACH, Costate, costate
 from .peak_value import PeakValue, peak_value
 from .strategy import Strategy
-
-REACH = 60.0
-"""How far before the bridge the damper is commanded [m]; before that it is passive."""
 
 SPACING = 0.7
 """Largest distance between knots on the bridge [m]: an axle hop takes more than a metre."""
@@ -58,81 +51,6 @@ PLACES = 32
 
 FAR = 1e9
 """A place [m] that no vehicle comes to."""
-
-
-class Costate(NamedTuple):
-    """Sensitivity of a smooth road's peak moment to the damper force; made by `costate`."""
-
-    positions: FloatArray
-    """Places of the reference tire [m], increasing, up to that of the peak."""
-    sigma: FloatArray
-    """dM(t*) / dF_d per time [1/(N s)], M over its static peak; same shape."""
-
-    def __repr__(self) -> str:
-        return (
-            f"Costate({len(self.positions)} places from x = {self.positions[0]:.4g} m to "
-            f"{self.positions[-1]:.4g} m, sigma from {self.sigma.min():.3g} to "
-            f"{self.sigma.max():.3g} 1/(N s))"
-        )
-
-
-@on_one_thread
-def costate(
-    beam: Beam, vehicle: QuarterCar, speed: float, *, section: float = 0.5, reach: float = REACH
-) -> Costate:
-    """Return how the peak moment depends on the damper force before it.
-
-    Parameters
-    ----------
-    beam, vehicle, section
-        See `bridgectl.crossing.Crossing`.
-    speed : float
-        Speed c [m/s].
-    reach : float, optional
-        Length of the approach that is looked at [m].
-
-    Returns
-    -------
-    Costate
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not what is described above.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.dampers import costate
-    >>> found = costate(bc.li2006.beam(), bc.li2006.car(), 25.0)
-    >>> found.positions[0].round(3), found.positions[-1].round(3)
-    (np.float64(-60.0), np.float64(11.7))
-    """
-    crossing = Crossing(beam, vehicle, speed, section)
-    run = prepare(crossing, None, -check.not_negative("reach", reach, unit="m"))
-    nodes = run.nodes(crossing.speed)
-    entry = int(np.searchsorted(nodes, -SAME_PLACE))
-    at = np.array([crossing.speed])
-    bridge = propagate(run, at, nodes)[-1]
-    top = find_peaks(effect_samples(crossing, bridge).T)
-    last = entry + int(top.cells[0] + (top.fractions[0] > 0.5))
-    rows = crossing.rows(nodes[last])
-    line = rows.per_state + rows.per_force @ crossing.tire_rows(float(nodes[last]))
-    n = crossing.n_vehicle
-    sigma = np.empty(last + 1)
-    sigma[last] = line @ crossing.damper_matrix[:, 0]
-    on_bridge = bridge.cells.transitions()[0][0, :, : crossing.n_states]
-    for k in range(last - 1, entry - 1, -1):
-        line = line @ on_bridge[k - entry]
-        sigma[k] = line @ crossing.damper_matrix[:, 0]
-    if entry:
-        before = build_cells(crossing, at, nodes[: entry + 1], on_bridge=False)
-        on_approach = before.transitions()[0][0, :, :n]
-        line = line[:n]
-        for k in range(entry - 1, -1, -1):
-            line = line @ on_approach[before.map_of[k]]
-            sigma[k] = line @ crossing.linear.damper_input[:, 0]
-    return Costate(nodes[: last + 1], sigma)
 
 
 class Bridgehook(Strategy):

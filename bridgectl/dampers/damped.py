@@ -10,7 +10,7 @@ import numpy as np
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
 from bridgectl.crossing import Crossing
-from bridgectl.propagator import merge_places
+from bridgectl.propagator import SAME_PLACE, merge_places
 from bridgectl.ramps import FeedbackHistories
 from bridgectl.response import daf
 from bridgectl.simulation import Run
@@ -24,17 +24,25 @@ from .strategy import Strategy
 
 def damped_dafs(run: Run, damper: Damper | Strategy, speeds: FloatArray) -> FloatArray:
     """Return the DAF of one road at some speeds [m/s], shape (n_speeds,)."""
-    crossing, x = run.crossing, _stations(run, np.zeros(0))
     if (constant := as_damper(damper).constant) is not None:
+        crossing = run.crossing
         return daf(
             crossing.beam, replace(bare_vehicle(crossing.vehicle), damping=constant), speeds,
             run.profile, start=run.start, section=crossing.section, recovery=crossing.recovery,
         )  # fmt: skip
-    found = simulate_loop(
-        crossing.beam, bare_vehicle(crossing.vehicle), damper, speeds, x, -run.road(x)[:, 0],
+    return simulate_run(run, damper, speeds).daf[:, 0]
+
+
+def simulate_run(
+    run: Run, damper: Damper | Strategy, speeds: FloatArray | None = None
+) -> LoopResult:
+    """Simulate one road at some speeds [m/s], by default the crossing's: see `simulate_loop`."""
+    crossing, x = run.crossing, _stations(run, np.zeros(0))
+    return simulate_loop(
+        crossing.beam, bare_vehicle(crossing.vehicle), damper,
+        crossing.speed if speeds is None else speeds, x, -run.road(x)[:, 0],
         section=crossing.section, recovery=crossing.recovery,
     )  # fmt: skip
-    return found.daf[:, 0]
 
 
 @on_one_thread
@@ -74,7 +82,7 @@ def damped_response(
     loop.run(keep)
     every, columns = np.array(places), np.array(states).T
     wanted = asked if asked.size else every
-    index = np.minimum(np.searchsorted(every, wanted - 1e-9), every.size - 1)
+    index = np.minimum(np.searchsorted(every, wanted - SAME_PLACE), every.size - 1)
     columns = columns[:, index]
     velocity = SUSPENSION @ columns[: crossing.n_vehicle]
     force = loop.damper_force(np.array(dampings)[index], velocity)

@@ -15,9 +15,7 @@ import numpy as np
 from bridgectl import _checks as check
 
 from .strategy import Strategy
-
-DEAD_BAND = 1e-4
-"""Suspension velocity [m/s] below which on-off laws stay soft: 3 N at 30 kN s/m."""
+from .switching import DEAD_BAND, damping_for, on_off
 
 SH_ADD_CROSSOVER = 2 * np.pi * 0.643
 """Rate [rad/s] where skyhook and ADD are equally good on the paper's truck: its first
@@ -78,7 +76,7 @@ def skyhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Stra
     >>> law.command(body_velocity=[0.1, -0.1, 0.1], suspension_velocity=[0.2, 0.2, 0.0])
     array([30000.,  1000.,  1000.])
     """
-    return _on_off("skyhook", lambda s, g: s.body_velocity, c_min, c_max, dead_band)
+    return on_off("skyhook", lambda s, g: s.body_velocity, c_min, c_max, dead_band)
 
 
 def continuous_skyhook(
@@ -112,10 +110,7 @@ def continuous_skyhook(
     """
 
     def law(s: Any, g: Any) -> Any:
-        v = s.suspension_velocity
-        still = ca.fabs(v) <= g.dead_band
-        share = s.body_velocity / ca.if_else(still, 1.0, v)
-        return ca.if_else(still, g.c_min, ca.if_else(share > 0, g.gain * share, g.c_min))
+        return damping_for(g.gain * s.body_velocity, s, g)
 
     gains = {"gain": (gain, 0.0, 1e6), "dead_band": (dead_band, 0.0, 1.0)}
     return Strategy("continuous skyhook", law, c_min, c_max, gains)
@@ -149,7 +144,7 @@ def groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> S
     >>> groundhook(1e3, 30e3).command(axle_velocity=[0.1, -0.1], suspension_velocity=[0.2, 0.2])
     array([ 1000., 30000.])
     """
-    return _on_off("groundhook", lambda s, g: -s.axle_velocity, c_min, c_max, dead_band)
+    return on_off("groundhook", lambda s, g: -s.axle_velocity, c_min, c_max, dead_band)
 
 
 def hybrid(
@@ -189,11 +184,9 @@ def hybrid(
 
     def law(s: Any, g: Any) -> Any:
         v = s.suspension_velocity
-        still = ca.fabs(v) <= g.dead_band
         sky = ca.if_else(s.body_velocity * v > 0, s.body_velocity, 0)
         ground = ca.if_else(-s.axle_velocity * v > 0, -s.axle_velocity, 0)
-        force = g.gain * (g.share * sky + (1 - g.share) * ground)
-        return ca.if_else(still, g.c_min, force / ca.if_else(still, 1.0, v))
+        return damping_for(g.gain * (g.share * sky + (1 - g.share) * ground), s, g)
 
     gains = {
         "share": (share, 0.0, 1.0), "gain": (gain, 0.0, 1e6), "dead_band": (dead_band, 0.0, 1.0)
@@ -225,7 +218,7 @@ def add(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy
     >>> add(1e3, 30e3).command(body_acceleration=[1.0, -1.0], suspension_velocity=[0.2, 0.2])
     array([30000.,  1000.])
     """
-    return _on_off("ADD", lambda s, g: s.body_acceleration, c_min, c_max, dead_band)
+    return on_off("ADD", lambda s, g: s.body_acceleration, c_min, c_max, dead_band)
 
 
 def sh_add(
@@ -264,7 +257,7 @@ def sh_add(
         return ca.if_else(slow, s.body_velocity, s.body_acceleration)
 
     gains = {"crossover": (crossover, 0.0, 1e3)}
-    return _on_off("SH-ADD", driver, c_min, c_max, dead_band, gains)
+    return on_off("SH-ADD", driver, c_min, c_max, dead_band, gains)
 
 
 def pdd(c_min: float, c_max: float, *, stiffness: float, dead_band: float = DEAD_BAND) -> Strategy:
@@ -299,30 +292,10 @@ def pdd(c_min: float, c_max: float, *, stiffness: float, dead_band: float = DEAD
     """
 
     def law(s: Any, g: Any) -> Any:
-        v = s.suspension_velocity
-        still = ca.fabs(v) <= g.dead_band
         # Within [c_min, c_max] this is all three cases.
-        return ca.if_else(
-            still, g.c_min, -g.stiffness * s.suspension_travel / ca.if_else(still, 1.0, v)
-        )
+        return damping_for(-g.stiffness * s.suspension_travel, s, g)
 
     gains = {
         "stiffness": (stiffness, 0.0, 1e9), "dead_band": (dead_band, 0.0, 1.0)
     }  # fmt: skip
     return Strategy("PDD", law, c_min, c_max, gains)
-
-
-def _on_off(
-    name: str, driver: Any, c_min: float, c_max: float, dead_band: float,
-    gains: dict[str, tuple[float, float, float]] | None = None,
-) -> Strategy:  # fmt: skip
-    """Stiff where driver v > 0 and v is beyond the dead band."""
-
-    def law(s: Any, g: Any) -> Any:
-        v = s.suspension_velocity
-        return ca.if_else(
-            ca.logic_and(driver(s, g) * v > 0, ca.fabs(v) > g.dead_band), g.c_max, g.c_min
-        )
-
-    bounds = {**(gains or {}), "dead_band": (dead_band, 0.0, 1.0)}
-    return Strategy(name, law, c_min, c_max, bounds)

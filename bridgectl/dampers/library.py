@@ -10,7 +10,7 @@ from .laws import add, continuous_skyhook, groundhook, hybrid, passive, pdd, sh_
 from .lqr import clipped_lqr
 from .preset import preset
 from .strategy import Strategy
-from .tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
+from .tire_laws import extended_groundhook, quarter_car, selective_groundhook, tire_groundhook
 
 
 def library(
@@ -60,11 +60,7 @@ def library(
     clipped LQR
     bridgehook
     """
-    if not isinstance(vehicle, QuarterCar):
-        raise TypeError(
-            f"vehicle must be a QuarterCar, as bc.li2006.car(), got {type(vehicle).__name__}"
-        )
-    if vehicle.damping == 0:
+    if quarter_car(vehicle).damping == 0:
         raise ValueError(
             "vehicle must have a damping above 0 [N s/m], which strategies are compared with"
         )

@@ -18,11 +18,20 @@ from bridgectl.crossing import Crossing
 from . import steps as st
 from .actuator import Damper
 from .batch_law import BatchLaw
-from .steps import STAGES, STATES, TIRE, Plan, Responses, Steps, longest_step, make_plan, make_steps
+from .steps import (
+    AXLE,
+    BODY,
+    STAGES,
+    STATES,
+    TIRE,
+    Plan,
+    Responses,
+    Steps,
+    longest_step,
+    make_plan,
+    make_steps,
+)
 from .strategy import SIGNALS
-
-BODY, AXLE = 1, 3
-"""Places of y_s' and y_t' among a quarter-car's states; each displacement is before its rate."""
 
 SUBSTITUTIONS = 4
 """How often the forces of a step are put into its equations: each gains more than a digit."""

@@ -26,9 +26,9 @@ from bridgectl._checks import FloatArray
 from bridgectl.passive_theory import comfort_damping, road_damping, variances
 from bridgectl.quarter_car import QuarterCar
 
-from .laws import DEAD_BAND
 from .strategy import Strategy
-from .tire_laws import damping_for, deflection_of_tire, tire_gains
+from .switching import DEAD_BAND, damping_for
+from .tire_laws import deflection_of_tire, tire_gains
 
 FEEDBACK = ("travel_gain", "body_gain", "deflection_gain", "axle_gain")
 """Names of the gains K of x = [d, y_s', e, y_t']: N/m, N s/m, N/m, N s/m."""

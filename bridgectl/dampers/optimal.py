@@ -17,7 +17,7 @@ never the solver's number but that of `simulate_loop` with this damping.
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -31,19 +31,18 @@ from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
-from bridgectl.propagator import merge_places
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.response import LiftOffWarning
 from bridgectl.road import RoadProfile
 from bridgectl.road.events import require_road
-from bridgectl.simulation import Run, prepare
+from bridgectl.simulation import prepare
 
-from .actuator import Damper
-from .bridgehook import costate
-from .closed_loop import simulate_loop
+from .actuator import Damper, bare_vehicle
+from .costate import costate
+from .damped import simulate_run
 from .loop import LoopResult
 from .optimal_steps import Steps, join, march
-from .strategy import Strategy
+from .strategy import Strategy, damping_bounds
 
 STEPS = (5e-3, 2.5e-3, 1.25e-3)
 """Longest steps to try [s], until the closed loop agrees: their error falls with the square."""
@@ -189,14 +188,10 @@ def clairvoyant(
     >>> print(f"{best.passive_daf:.2f} passive, {best.daf:.2f} at best")
     1.15 passive, 1.12 at best
     """
-    if not isinstance(vehicle, QuarterCar):
-        raise TypeError(
-            f"vehicle must be a QuarterCar, got {type(vehicle).__name__}: other vehicles have "
-            "passive dampers only, type for example bridgectl.li2006.car()"
-        )
+    bare = bare_vehicle(vehicle)
     require_road(road)
-    soft, stiff = _bounds(c_min, c_max)
-    crossing = Crossing(beam, replace(vehicle, damping=0.0), speed, section, recovery)
+    soft, stiff = damping_bounds(c_min, c_max)
+    crossing = Crossing(beam, bare, speed, section, recovery)
     run = prepare(crossing, road, start)
     held = check.positive("step", step, unit="s")
     own = float(np.clip(vehicle.damping, soft, stiff))
@@ -207,7 +202,7 @@ def clairvoyant(
         best = tries[int(np.argmin(peaks))]
         found = steps.damping(best.shares)
         law = _open_loop(steps.positions, found, held, soft, stiff)
-        optimum = _simulated(run, road, beam, vehicle, law)
+        optimum = simulate_run(run, law)
         if _agrees(optimum, min(peaks)):
             break
     else:
@@ -217,7 +212,7 @@ def clairvoyant(
         )
     constant = np.full_like(found, own)
     law = _open_loop(steps.positions, constant, held, soft, stiff)
-    passive = float(_simulated(run, road, beam, vehicle, law).daf[0, 0])
+    passive = float(simulate_run(run, law).daf[0, 0])
     lowest = float(optimum.daf[0, 0])
     if passive <= lowest:
         lowest, found, best = passive, constant, _Try(best.shares, NOT_SOLVED)
@@ -255,16 +250,6 @@ def _agrees(optimum: LoopResult, peak: float) -> bool:
         stacklevel=4,
     )
     return True
-
-
-def _bounds(c_min: float, c_max: float) -> tuple[float, float]:
-    soft = check.not_negative("c_min", c_min, unit="N s/m")
-    stiff = check.positive("c_max", c_max, unit="N s/m")
-    if soft > stiff:
-        raise ValueError(
-            f"c_min must not exceed c_max, got {soft:g} and {stiff:g} N s/m: swap them"
-        )
-    return soft, stiff
 
 
 def _bridgehook_shares(
@@ -388,16 +373,3 @@ def _open_loop(
         return table(s.position) if np.ptp(damping) else damping[0] + 0 * s.position
 
     return Damper(Strategy("clairvoyant", law, c_min, c_max), sample_time=held)
-
-
-def _simulated(
-    run: Run, road: RoadProfile, beam: Beam, vehicle: QuarterCar, damper: Damper
-) -> LoopResult:
-    """The crossing with a damper in the loop."""
-    inner = road.x[(road.x > run.start) & (road.x < run.end)]
-    stations = merge_places(np.concatenate([[run.start], inner, [run.end]]))
-    crossing = run.crossing
-    return simulate_loop(
-        beam, vehicle, damper, crossing.speed, stations, -road.drop(stations, run.start),
-        section=crossing.section, recovery=crossing.recovery,
-    )  # fmt: skip

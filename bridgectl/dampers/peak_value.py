@@ -28,6 +28,7 @@ to rise as to fall, so that the expected road ahead is level: that is all of it 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -38,11 +39,12 @@ from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
-from bridgectl.propagator import SAME_PLACE, SAMPLES, build_cells
+from bridgectl.propagator import SAME_PLACE, SAMPLES
 from bridgectl.quarter_car import QuarterCar
-from bridgectl.simulation import Stretch, effect_samples, prepare, propagate
+from bridgectl.simulation import Stretch, effect_samples, prepare, propagate, state_maps
 
-from .steps import SUSPENSION
+from .costate import REACH
+from .steps import AXLE, BODY, SUSPENSION
 
 SHARPNESS = 10.0
 """beta, per unit of the peak static moment: 0.1 of it is what a road may change of a peak."""
@@ -57,8 +59,8 @@ changes the mean over speeds by less than 0.003.
 LEAST = -200.0
 """Least logarithm of a weight: after a sharp peak the sum of the others must not vanish."""
 
-MEASURED = [1, 3]
-"""Places of y_s' and y_t' among the states."""
+MEASURED = [BODY, AXLE]
+"""Places of what is measured among the states."""
 
 
 class PeakValue(NamedTuple):
@@ -94,7 +96,7 @@ def peak_value(
     c_max: float,
     *,
     section: float = 0.5,
-    reach: float = 60.0,
+    reach: float = REACH,
     sharpness: float = SHARPNESS,
     yield_speed: float = YIELD_SPEED,
 ) -> PeakValue:
@@ -126,17 +128,12 @@ def peak_value(
     (np.float64(-60.0), np.float64(25.0))
     """
     crossing = Crossing(beam, replace(vehicle, damping=(c_min + c_max) / 2), speed, section)
-    run, n = prepare(crossing, None, -reach), crossing.n_vehicle
-    nodes, at = run.nodes(crossing.speed), np.array([crossing.speed])
+    run = prepare(crossing, None, -reach)
+    nodes = run.nodes(crossing.speed)
     entry = int(np.searchsorted(nodes, -SAME_PLACE))
-    bridge = propagate(run, at, nodes)[-1]
-    on_bridge = bridge.cells.transitions()[0][0, :, : crossing.n_states]
-    steps = [*on_bridge]
-    if entry:
-        before = build_cells(crossing, at, nodes[: entry + 1], on_bridge=False)
-        on_approach = before.transitions()[0][0, :, :n]
-        steps = [*on_approach[before.map_of], *steps]
-    to_states = _expected(crossing, on_bridge, nodes[entry:])
+    stretches = propagate(run, np.array([crossing.speed]), nodes)
+    bridge, steps = stretches[-1], state_maps(stretches)
+    to_states = _expected(crossing, steps[entry:], nodes[entry:])
     sweep = _Backward(crossing, bridge, sharpness, (c_max - c_min) / 2 / yield_speed)
     durations = np.gradient(nodes) / crossing.speed
     constant, gains = np.zeros(len(nodes)), np.zeros((len(nodes), 2))
@@ -195,7 +192,7 @@ class _Backward:
         return self.ahead @ self.force[: self.ahead.shape[1]]
 
 
-def _expected(crossing: Crossing, steps: FloatArray, nodes: FloatArray) -> FloatArray:
+def _expected(crossing: Crossing, steps: Sequence[FloatArray], nodes: FloatArray) -> FloatArray:
     """E[dz | m] per measured velocity, at the nodes on the bridge, (C + 1, n, 2)."""
     vehicle, n = crossing.linear, crossing.n_vehicle
     slope = np.zeros(crossing.n_states)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -11,8 +12,11 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.crossing import Crossing
 from bridgectl.propagator import SAME_PLACE
+from bridgectl.quarter_car import QuarterCar
+from bridgectl.response import daf
+from bridgectl.road import RoadProfile
 from bridgectl.road.limits import evenly_spaced
-from bridgectl.surface import ramp_surface
+from bridgectl.surface import RAMP_HEIGHT, ramp_surface
 
 from .actuator import bare_vehicle
 from .strategy import Strategy
@@ -36,25 +40,32 @@ class Preset(Strategy):
         self, crossing: Crossing, speeds: FloatArray, stations: FloatArray, elevations: FloatArray
     ) -> Mapping[str, FloatArray]:
         """Return the damping of the smallest DAF of each crossing [N s/m], by superposition."""
-        last = int(np.searchsorted(stations, crossing.beam.length - SAME_PLACE))
-        if evenly_spaced(stations):
-            step = float(stations[last] - stations[0]) / last
-        else:
-            step = float(np.diff(stations).min())
-            even = stations[0] + step * np.arange(int((stations[last] - stations[0]) / step) + 1)
-            elevations = np.array([np.interp(even, stations, z) for z in elevations])
-            last = len(even) - 1
         vehicle = bare_vehicle(crossing.vehicle)
-        dafs = [
-            ramp_surface(
-                crossing.beam, replace(vehicle, damping=float(c)), speeds,
-                approach=-float(stations[0]), ramp_length=step, ramp_height=min(step, 1e-3),
-                section=crossing.section, recovery=crossing.recovery,
-            ).superposed_daf(elevations[:, : last + 1])
-            for c in self.dampings
-        ]  # fmt: skip
-        best = np.argmin(dafs, axis=0)
+        cars = [replace(vehicle, damping=float(c)) for c in self.dampings]
+        best = np.argmin([_dafs(crossing, car, speeds, stations, elevations) for car in cars], 0)
         return {"damping": self.dampings[best].T}
+
+
+def _dafs(
+    crossing: Crossing,
+    car: QuarterCar,
+    speeds: FloatArray,
+    stations: FloatArray,
+    elevations: FloatArray,
+) -> FloatArray:
+    """DAF of roads of straight pieces, shape (n_roads, n_speeds)."""
+    start = float(stations[0])
+    where: Any = {"section": crossing.section, "recovery": crossing.recovery}
+    if not evenly_spaced(stations):  # unit ramps are all of one length
+        roads = [RoadProfile(stations, z) for z in elevations]
+        return np.array([daf(crossing.beam, car, speeds, z, start=start, **where) for z in roads])
+    last = int(np.searchsorted(stations, crossing.beam.length - SAME_PLACE))
+    step = float(stations[last] - start) / last
+    surface = ramp_surface(
+        crossing.beam, car, speeds, approach=-start, ramp_length=step,
+        ramp_height=min(step, RAMP_HEIGHT), **where,
+    )  # fmt: skip
+    return surface.superposed_daf(elevations[:, : last + 1])
 
 
 def preset(c_min: float, c_max: float, *, n_dampings: int = 9) -> Preset:

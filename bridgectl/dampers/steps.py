@@ -33,6 +33,9 @@ POINTS = np.array([*STAGES, 0.5, 1.0])
 MAX_PHASE = 0.1
 """Largest advance of phase of the vehicle's fastest motion in a step [rad]."""
 
+BODY, AXLE = 1, 3
+"""Places of y_s' and y_t' among a quarter-car's states; each displacement is before its rate."""
+
 SUSPENSION = np.array([0.0, 1.0, 0.0, -1.0])
 """Suspension velocity y_s' - y_t' of a quarter-car's states."""
 

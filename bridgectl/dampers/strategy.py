@@ -111,13 +111,7 @@ class Strategy:
         if not callable(law):
             raise TypeError(f"law must be a function law(s, g), got {type(law).__name__}")
         self.name, self.law = _name(name), law
-        self.c_min = check.not_negative("c_min", c_min, unit="N s/m")
-        self.c_max = check.positive("c_max", c_max, unit="N s/m")
-        if self.c_min > self.c_max:
-            raise ValueError(
-                f"c_min must not exceed c_max, got {self.c_min:g} and {self.c_max:g} N s/m: swap "
-                "them"
-            )
+        self.c_min, self.c_max = damping_bounds(c_min, c_max)
         self.bounds = {key: _gain(key, value) for key, value in (gains or {}).items()}
         self.gains = {key: value[0] for key, value in self.bounds.items()}
         _ = self.function  # so that a law that cannot be built speaks here
@@ -359,6 +353,17 @@ class Strategy:
         generator.add(self.function)
         file.write_text(generator.dump(), encoding="utf-8")
         return file
+
+
+def damping_bounds(c_min: float, c_max: float) -> tuple[float, float]:
+    """Check bounds of the damping [N s/m]."""
+    soft = check.not_negative("c_min", c_min, unit="N s/m")
+    stiff = check.positive("c_max", c_max, unit="N s/m")
+    if soft > stiff:
+        raise ValueError(
+            f"c_min must not exceed c_max, got {soft:g} and {stiff:g} N s/m: swap them"
+        )
+    return soft, stiff
 
 
 def no_nan(name: str, command: FloatArray) -> FloatArray:

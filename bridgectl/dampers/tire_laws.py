@@ -17,11 +17,8 @@ from bridgectl import _checks as check
 from bridgectl.passive_theory import invariant_frequencies
 from bridgectl.quarter_car import QuarterCar
 
-from .laws import DEAD_BAND, _on_off
 from .strategy import Strategy
-
-Gains = dict[str, tuple[float, float, float]]
-"""Value, least and largest value of gains by name."""
+from .switching import DEAD_BAND, Gains, damping_for, on_off
 
 
 def tire_groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy:
@@ -57,7 +54,7 @@ def tire_groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND)
     >>> tire_groundhook(1e3, 30e3).command(tire_force_rate=[5e3, -5e3], suspension_velocity=0.2)
     array([ 1000., 30000.])
     """
-    return _on_off("tire groundhook", lambda s, g: -s.tire_force_rate, c_min, c_max, dead_band)
+    return on_off("tire groundhook", lambda s, g: -s.tire_force_rate, c_min, c_max, dead_band)
 
 
 def extended_groundhook(
@@ -216,7 +213,7 @@ def selective_groundhook(
     >>> law.command(tire_force=103.1e3, tire_force_rate=rates, suspension_velocity=0.1)
     array([ 1000., 30000.])
     """
-    quick = 2 * np.pi * invariant_frequencies(_car(vehicle)).tire_force[-1]
+    quick = 2 * np.pi * invariant_frequencies(quarter_car(vehicle)).tire_force[-1]
     rate = quick if crossover is None else check.not_negative("crossover", crossover, unit="rad/s")
 
     def driver(s: Any, g: Any) -> Any:
@@ -227,12 +224,12 @@ def selective_groundhook(
         "crossover": (float(rate), 0.0, 1e3),
         "static_load": tire_gains(vehicle)["static_load"],
     }
-    return _on_off("selective groundhook", driver, c_min, c_max, dead_band, gains)
+    return on_off("selective groundhook", driver, c_min, c_max, dead_band, gains)
 
 
 def tire_gains(vehicle: QuarterCar) -> Gains:
     """Return what turns a tire force into a deflection: W [N] and K_t [N/m], as gains."""
-    load = float(_car(vehicle).linear.static_loads[0])
+    load = float(quarter_car(vehicle).linear.static_loads[0])
     return {
         "static_load": (load, 0.0, 1e7),
         "tire_stiffness": (vehicle.tire_stiffness, 1.0, 1e9),
@@ -244,22 +241,8 @@ def deflection_of_tire(s: Any, g: Any) -> Any:
     return (s.tire_force - g.static_load) / g.tire_stiffness
 
 
-def damping_for(force: Any, s: Any, g: Any) -> Any:
-    """Return the damping [N s/m] that comes closest to a wanted damper force [N].
-
-    It is F / v within [c_min, c_max], and c_min where |v| is not beyond the dead band. Which bound
-    holds is seen from the forces: a quotient by a small v may grow beyond what `Strategy` takes
-    for a number.
-    """
-    v = s.suspension_velocity
-    still = ca.fabs(v) <= g.dead_band
-    size = ca.if_else(still, 1.0, ca.fabs(v))
-    along = force * ca.sign(v)
-    within = ca.if_else(along <= g.c_min * size, g.c_min, along / size)
-    return ca.if_else(still, g.c_min, ca.if_else(along >= g.c_max * size, g.c_max, within))
-
-
-def _car(vehicle: QuarterCar) -> QuarterCar:
+def quarter_car(vehicle: QuarterCar) -> QuarterCar:
+    """Return the vehicle, if it is a quarter-car."""
     if not isinstance(vehicle, QuarterCar):
         raise TypeError(
             f"vehicle must be a QuarterCar, as bc.li2006.car(), got {type(vehicle).__name__}"

@@ -1,0 +1,86 @@
+"""The costate of a crossing: what a damper force does to the peak moment of a smooth road."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
+from bridgectl._threads import on_one_thread
+from bridgectl.beam import Beam
+from bridgectl.crossing import Crossing
+from bridgectl.peaks import find_peaks
+from bridgectl.propagator import SAME_PLACE
+from bridgectl.quarter_car import QuarterCar
+from bridgectl.simulation import effect_samples, prepare, propagate, state_maps
+
+REACH = 60.0
+"""How far before the bridge a damper is looked at, or commanded [m]."""
+
+
+class Costate(NamedTuple):
+    """Sensitivity of a smooth road's peak moment to the damper force; made by `costate`."""
+
+    positions: FloatArray
+    """Places of the reference tire [m], increasing, up to that of the peak."""
+    sigma: FloatArray
+    """dM(t*) / dF_d per time [1/(N s)], M over its static peak; same shape."""
+
+    def __repr__(self) -> str:
+        return (
+            f"Costate({len(self.positions)} places from x = {self.positions[0]:.4g} m to "
+            f"{self.positions[-1]:.4g} m, sigma from {self.sigma.min():.3g} to "
+            f"{self.sigma.max():.3g} 1/(N s))"
+        )
+
+
+@on_one_thread
+def costate(
+    beam: Beam, vehicle: QuarterCar, speed: float, *, section: float = 0.5, reach: float = REACH
+) -> Costate:
+    """Return how the peak moment depends on the damper force before it.
+
+    Parameters
+    ----------
+    beam, vehicle, section
+        See `bridgectl.crossing.Crossing`.
+    speed : float
+        Speed c [m/s].
+    reach : float, optional
+        Length of the approach that is looked at [m].
+
+    Returns
+    -------
+    Costate
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not what is described above.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.dampers import costate
+    >>> found = costate(bc.li2006.beam(), bc.li2006.car(), 25.0)
+    >>> found.positions[0].round(3), found.positions[-1].round(3)
+    (np.float64(-60.0), np.float64(11.7))
+    """
+    crossing = Crossing(beam, vehicle, speed, section)
+    run = prepare(crossing, None, -check.not_negative("reach", reach, unit="m"))
+    nodes = run.nodes(crossing.speed)
+    entry = int(np.searchsorted(nodes, -SAME_PLACE))
+    stretches = propagate(run, np.array([crossing.speed]), nodes)
+    top = find_peaks(effect_samples(crossing, stretches[-1]).T)
+    last = entry + int(top.cells[0] + (top.fractions[0] > 0.5))
+    rows, force = crossing.rows(nodes[last]), crossing.damper_matrix[:, 0]
+    line = rows.per_state + rows.per_force @ crossing.tire_rows(float(nodes[last]))
+    sigma = np.empty(last + 1)
+    sigma[last] = line @ force
+    for k, step in reversed([*enumerate(state_maps(stretches)[:last])]):
+        n = len(step)  # on the approach the vehicle alone counts
+        line = line[:n] @ step
+        sigma[k] = line @ force[:n]
+    return Costate(nodes[: last + 1], sigma)
