@@ -230,16 +230,15 @@ def _numbered(index: int, *job: Any) -> tuple[int, dict[str, Any]]:
 def _part(study: _Study, damper: Damper, first: int) -> dict[str, Any]:
     """Score one strategy on some roads: arrays (roads, speeds) of every measure."""
     elevations = study.elevations[first : first + ROADS_AT_ONCE]
-    ramps = study.n_ramps if damper.constant is None else 0
+    ramps = study.n_ramps if damper.kept is None else 0
     run = ramps_and_roads(
         study.crossing, damper, study.speeds, study.stations, ramps, RAMP_HEIGHT, elevations,
         RECORDED,
     )  # fmt: skip
-    if damper.constant is not None:  # its surface is exact, and quick
-        car = replace(study.vehicle, damping=damper.constant)
+    if damper.kept is not None:  # its surface is exact, and quick
         surface = ramp_surface(
-            study.beam, car, study.speeds, approach=-float(study.stations[0]),
-            section=study.section, recovery=study.recovery,
+            study.beam, study.vehicle, study.speeds, approach=-float(study.stations[0]),
+            section=study.section, recovery=study.recovery, damper=damper,
         )  # fmt: skip
     else:
         surface = _surface(study, damper, run)

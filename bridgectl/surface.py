@@ -66,8 +66,9 @@ def ramp_surface(
         'propagator': all ramps from one propagation, factored. 'control': one
         `control.input_output_response` for each ramp and speed, slow, for comparison.
     damper : bridgectl.dampers.Damper or Strategy, optional
-        A semi-active damper in place of the vehicle's own. Its responses do not superpose: the
-        surface has a DAE, which then is an estimate twice over, and no superposed DAF.
+        A damper in place of the vehicle's own. If it is semi-active, its responses do not
+        superpose: the surface has a DAE, which then is an estimate twice over, and no superposed
+        DAF.
     progress : bool, optional
         Whether 'control' shows a progress bar on a terminal.
 
@@ -116,8 +117,14 @@ def ramp_surface(
     histories: Histories
     if damper is not None:
         # Late, for dampers lie above this module.
+        from bridgectl.dampers.actuator import as_damper, bare_vehicle
         from bridgectl.dampers.damped import ramp_dafs
 
+        if (constant := as_damper(damper).constant) is not None:  # a vehicle like any other
+            return ramp_surface(
+                beam, replace(bare_vehicle(vehicle), damping=constant), c, approach=before,
+                ramp_length=length, ramp_height=height, section=section, recovery=recovery,
+            )  # fmt: skip
         daf_smooth, daf_unit, histories = ramp_dafs(crossing, damper, c, edges, height)
     else:
         # The smooth road has nodes at the ramps' ends all the same.

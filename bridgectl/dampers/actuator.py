@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.vehicle import Vehicle
 
@@ -71,8 +72,15 @@ lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
     @property
     def constant(self) -> float | None:
         """Damping [N s/m] of a damper that never changes it, and so is linear; None of others."""
-        same = self.strategy.c_min == self.strategy.c_max and self.max_force == np.inf
-        return self.strategy.c_max if same else None
+        return None if self.kept is None or len(self.kept) > 1 else float(self.kept[0])
+
+    @property
+    def kept(self) -> FloatArray | None:
+        """Dampings [N s/m], the best of which a crossing keeps, and so is linear; None of others.
+
+        One of a constant damper, several of `preset`.
+        """
+        return self.strategy.kept if self.max_force == np.inf else None
 
     def __repr__(self) -> str:
         return (

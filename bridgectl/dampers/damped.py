@@ -14,6 +14,7 @@ from bridgectl.propagator import SAME_PLACE, merge_places
 from bridgectl.ramps import FeedbackHistories
 from bridgectl.response import daf
 from bridgectl.simulation import Run
+from bridgectl.surface import ramp_surface
 
 from .actuator import Damper, as_damper, bare_vehicle
 from .closed_loop import simulate_loop
@@ -128,8 +129,20 @@ def ramp_dafs(
     daf_smooth, daf_unit, histories : ndarray (n_speeds,), ndarray (n_speeds, n_ramps), object
     """
     device = as_damper(damper)
+    histories = FeedbackHistories(device.strategy.name)
+    if device.kept is not None:
+        surfaces = [
+            ramp_surface(
+                crossing.beam, replace(bare_vehicle(crossing.vehicle), damping=float(c)), speeds,
+                approach=-float(edges[0]), ramp_length=float(edges[1] - edges[0]),
+                ramp_height=height, section=crossing.section, recovery=crossing.recovery,
+            )
+            for c in device.kept
+        ]  # fmt: skip
+        smooth, unit = ([getattr(s, n) for s in surfaces] for n in ("daf_smooth", "daf_unit"))
+        return np.min(smooth, axis=0), np.min(unit, axis=0), histories
     found = ramps_and_roads(crossing, device, speeds, edges, len(edges) - 1, height)
-    return found.smooth, found.unit, FeedbackHistories(device.strategy.name)
+    return found.smooth, found.unit, histories
 
 
 @on_one_thread

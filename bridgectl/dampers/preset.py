@@ -30,6 +30,11 @@ class Preset(Strategy):
         bounds = {"damping": (float(self.dampings[0]), float(c_min), float(c_max))}
         super().__init__("preset", lambda s, g: g.damping + 0 * s.speed, c_min, c_max, bounds)
 
+    @property
+    def kept(self) -> FloatArray | None:
+        """See `Strategy`."""
+        return self.dampings
+
     def __repr__(self) -> str:
         return (
             f"Preset({self.name!r}, one of {self.dampings.size} dampings from {self.c_min:g} to "

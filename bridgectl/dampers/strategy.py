@@ -183,6 +183,11 @@ class Strategy:
         """
         return self
 
+    @property
+    def kept(self) -> FloatArray | None:
+        """Dampings [N s/m], the best of which a crossing keeps throughout; None of most."""
+        return np.array([self.c_max]) if self.c_min == self.c_max else None
+
     def gains_for(
         self, crossing: Crossing, speeds: FloatArray, stations: FloatArray, elevations: FloatArray
     ) -> Mapping[str, FloatArray]:
