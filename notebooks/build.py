@@ -42,9 +42,10 @@ TIMEOUT = 300
 
 KERNEL = [
     "--IPKernelApp.exec_lines=__import__('warnings').simplefilter('error')",
+    "--IPKernelApp.exec_lines=__import__('warnings').filterwarnings('ignore', module='ipykernel')",
     "--IPKernelApp.log_level=40",
 ]
-"""Options of the kernel: warnings are errors, and it does not talk about itself."""
+"""Options of the kernel: warnings are errors but its own, and it does not talk about itself."""
 
 METADATA = {
     "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
@@ -91,7 +92,8 @@ def execute(notebook: NotebookNode) -> NotebookNode:
         # The bridgectl beside the notebooks, whatever is installed.
         path = os.pathsep.join([str(FOLDER.parent), os.environ.get("PYTHONPATH", "")])
         client.execute(
-            env=os.environ | {"IPYTHONDIR": folder, "PYTHONPATH": path.rstrip(os.pathsep)}
+            cleanup_kc=True,  # so that processes the kernel has started end with it
+            env=os.environ | {"IPYTHONDIR": folder, "PYTHONPATH": path.rstrip(os.pathsep)},
         )
     return clean(notebook)
 
