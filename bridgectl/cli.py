@@ -19,6 +19,7 @@ from bridgectl.options import (
     add_place_options,
     add_validation_options,
     add_vehicle_options,
+    as_number,
     check_plot,
     check_ramps,
     file_arguments,
@@ -184,7 +185,7 @@ def _parser() -> _Parser:
     profile.set_defaults(run=_run_profile)
     add_file_options(profile)
     profile.add_argument(
-        "--segment", type=float, default=SEGMENT, metavar="M",
+        "--segment", type=as_number, default=SEGMENT, metavar="M",
         help=f"length over which IRIs are taken [m] (default {SEGMENT:g})",
     )  # fmt: skip
     paper = commands.add_parser(

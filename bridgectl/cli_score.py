@@ -17,6 +17,9 @@ from bridgectl.options import (
     add_file_options,
     add_place_options,
     add_vehicle_options,
+    as_number,
+    as_whole,
+    check_output,
     check_plot,
     check_ramps,
     file_arguments,
@@ -77,11 +80,11 @@ def add_score_options(parser: argparse.ArgumentParser) -> None:
     add_file_options(parser, many=True)
     add_place_options(parser, approach=60.0, speeds="60:120:10")
     parser.add_argument(
-        "--departure", type=float, default=0.0, metavar="M",
+        "--departure", type=as_number, default=0.0, metavar="M",
         help="road after the bridge that is driven, for ride and tire force [m] (default 0)",
     )  # fmt: skip
     parser.add_argument(
-        "--random", type=int, default=6, metavar="N",
+        "--random", type=as_whole, default=6, metavar="N",
         help="random roads of ISO 8608 class A, and as many of class B (default 6)",
     )  # fmt: skip
     _add_damper_options(parser)
@@ -93,7 +96,7 @@ def add_score_options(parser: argparse.ArgumentParser) -> None:
         help="keep what is done in FILE, and go on from what it holds",
     )  # fmt: skip
     work.add_argument(
-        "--workers", type=int, metavar="N", help="processes (default: one for each core)"
+        "--workers", type=as_whole, metavar="N", help="processes (default: one for each core)"
     )
 
 
@@ -114,13 +117,16 @@ def _add_damper_options(parser: argparse.ArgumentParser) -> None:
         ("--max-force", np.inf, "largest damper force [N] (default none)"),
         ("--velocity-noise", 0.0, "noise on measured velocities, rms [m/s] (default 0)"),
     ):
-        group.add_argument(option, type=float, default=default, metavar="X", help=text)
-    group.add_argument("--seed", type=int, default=0, metavar="N", help="of the noise (default 0)")
+        group.add_argument(option, type=as_number, default=default, metavar="X", help=text)
+    group.add_argument(
+        "--seed", type=as_whole, default=0, metavar="N", help="of the noise (default 0)"
+    )
 
 
 def run_score(args: argparse.Namespace) -> None:
     """Do what the command asks for."""
     check_plot(args.plot)
+    check_output("--resume", args.resume)
     speeds = parse_speeds(args.speeds) / 3.6
     if args.workers is not None:
         check.integer("--workers", args.workers, at_least=1)

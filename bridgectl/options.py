@@ -34,7 +34,7 @@ def add_file_options(parser: argparse.ArgumentParser, *, many: bool = False) -> 
     )  # fmt: skip
     file.add_argument("--delimiter", metavar="C", help="what separates the columns, as ';'")
     file.add_argument(
-        "--step", type=float, metavar="M", help="distance between lines without stations [m]"
+        "--step", type=as_number, metavar="M", help="distance between lines without stations [m]"
     )
     file.add_argument(
         "--track", metavar="NAME", help="which elevations of several, by label or number from 0"
@@ -57,11 +57,11 @@ def add_place_options(
     """Add where the bridge is in the road, and the speeds, with their defaults."""
     road = parser.add_argument_group("place of the bridge")
     road.add_argument(
-        "--station", type=float, metavar="M",
+        "--station", type=as_number, metavar="M",
         help="station of the start of the bridge [m]; default: the first after the approach",
     )  # fmt: skip
     road.add_argument(
-        "--approach", type=float, default=approach, metavar="M",
+        "--approach", type=as_number, default=approach, metavar="M",
         help="road before the bridge that counts [m]; the vehicle starts there "
         f"(default {approach:g})",
     )  # fmt: skip
@@ -92,14 +92,14 @@ def _add_speeds(parser: argparse.ArgumentParser, default: str) -> None:
 def add_bridge_options(parser: argparse.ArgumentParser) -> None:
     """Add the bridge and how its moment is found."""
     bridge = parser.add_argument_group("bridge (Li's thesis, 2006; default the paper's 25 m)")
-    bridge.add_argument("--span", type=int, default=25, metavar="M", help="odd, 9 to 43 [m]")
+    bridge.add_argument("--span", type=as_whole, default=25, metavar="M", help="odd, 9 to 43 [m]")
     bridge.add_argument("--deck", help="solid, Y or super-Y, for spans that have several")
-    bridge.add_argument("--modes", type=int, default=3, metavar="N", help="number (default 3)")
+    bridge.add_argument("--modes", type=as_whole, default=3, metavar="N", help="number (default 3)")
     bridge.add_argument(
         "--damping-ratio", default="0", metavar="Z", help="of mode 1, or A,B,C of each (default 0)"
     )
     bridge.add_argument(
-        "--section", type=float, default=0.5, metavar="S",
+        "--section", type=as_number, default=0.5, metavar="S",
         help="section of the moment, as a fraction of the span (default 0.5)",
     )  # fmt: skip
     bridge.add_argument(
@@ -118,7 +118,7 @@ def add_vehicle_options(parser: argparse.ArgumentParser) -> None:
     ):  # fmt: skip
         unit, default = units[name.rpartition("_")[2]], getattr(truck, name)
         vehicle.add_argument(
-            f"--{name.replace('_', '-')}", type=float, default=default, metavar="X",
+            f"--{name.replace('_', '-')}", type=as_number, default=default, metavar="X",
             help=f"[{unit}] (default {default:g})",
         )  # fmt: skip
 
@@ -240,15 +240,36 @@ def numbers(option: str, text: str, kind: type) -> list[Any]:
         raise ValueError(f"{option} must be numbers separated by commas, got {text!r}") from None
 
 
+def as_number(text: str) -> float:
+    """Read the value of an option that takes a number."""
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a number, as 12e3, got {text!r}") from None
+
+
+def as_whole(text: str) -> int:
+    """Read the value of an option that takes a whole number."""
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a whole number, as 3, got {text!r}") from None
+
+
 def check_plot(path: Path | None) -> None:
     """Find out before the work that the figure cannot be written."""
+    if path is not None and path.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise ValueError(f"--plot must end in .png, .pdf or .svg, got {str(path)!r}")
+    check_output("--plot", path)
+
+
+def check_output(option: str, path: Path | None) -> None:
+    """Find out before the work that a file cannot be written."""
     if path is None:
         return
-    if path.suffix.lower() not in (".png", ".pdf", ".svg"):
-        raise ValueError(f"--plot must end in .png, .pdf or .svg, got {str(path)!r}")
     if not path.absolute().parent.is_dir():
-        raise ValueError(f"--plot: the folder {str(path.parent)!r} does not exist")
+        raise ValueError(f"{option}: the folder {str(path.parent)!r} does not exist")
     if path.is_dir():
-        raise ValueError(f"--plot must name a file, got the folder {str(path)!r}")
+        raise ValueError(f"{option} must name a file, got the folder {str(path)!r}")
     if not os.access(path if path.exists() else path.absolute().parent, os.W_OK):
-        raise ValueError(f"--plot: no permission to write {str(path)!r}")
+        raise ValueError(f"{option}: no permission to write {str(path)!r}")

@@ -182,7 +182,10 @@ def test_the_version_is_told(capsys):
         (["--recovery", "fryba"], "recovery must be one of"),
         (["--plot", "figure.doc"], "--plot must end in .png, .pdf or .svg, got 'figure.doc'"),
         (["--plot", "no/such/folder/figure.png"], "does not exist"),
-        (["--modes", "three"], "invalid int value: 'three' (see bridgectl dae --help)"),
+        (
+            ["--modes", "three"],
+            "must be a whole number, as 3, got 'three' (see bridgectl dae --help)",
+        ),
         (["--sped", "30"], "unrecognized arguments: --sped"),
     ],
 )

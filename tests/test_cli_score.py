@@ -195,9 +195,11 @@ def test_a_figure_is_drawn(capsys, tmp_path):
         (["--approach", "600"], "609 m are needed: pass a smaller --approach or --span"),
         (["--speeds", "0"], "--speeds must be above 0 km/h"),
         (["--plot", "score.doc"], "--plot must end in"),
-        (["--resume", "."], "."),
+        (["--resume", "."], "--resume must name a file, got the folder '.'"),
+        (["--resume", "nowhere/score.jsonl"], "--resume: the folder 'nowhere' does not exist"),
         (["none.csv"], "none.csv"),
-        (["--lag", "long"], "invalid float value: 'long' (see bridgectl score --help)"),
+        (["--lag", "long"], "--lag: must be a number, as 12e3, got 'long' (see bridgectl"),
+        (["--random", "2.5"], "--random: must be a whole number, as 3, got '2.5' (see bridgectl"),
     ],
 )
 def test_a_mistake_is_one_line_and_status_2(capsys, options, says):
