@@ -1,7 +1,14 @@
 import contextlib
 import io
 import re
+import shlex
 from pathlib import Path
+
+import numpy as np
+import pytest
+
+import bridgectl as bc
+from bridgectl.cli import main
 
 README = Path(__file__).parents[1] / "README.md"
 
@@ -29,6 +36,28 @@ def test_the_setup_commands_are_one_line_each():
     assert len(commands) == 2
     assert "bridgectl score" in commands[0]
     assert commands[1].endswith(".venv/bin/pytest")
+
+
+def commands():
+    """What the README lets a user type about own files, in words."""
+    block = re.search(r"```sh\n(bridgectl .*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    assert block is not None
+    return [shlex.split(line) for line in block[1].splitlines()]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", commands(), ids=lambda words: words[1])
+def test_each_command_of_the_readme_runs(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for seed, name in enumerate(("east.csv", "west.csv", "road.csv")):
+        road = bc.iso8608_profile("A", 1400, seed=seed)
+        np.savetxt(name, np.column_stack([road.x, 1e3 * road.elevation]), delimiter=",")
+    bc.write_profile("survey.erd", road)
+    assert words[0] == "bridgectl"
+    assert main(words[1:]) == 0
+    assert capsys.readouterr().out
+    if "--plot" in words:
+        assert Path(words[words.index("--plot") + 1]).stat().st_size > 10_000
 
 
 def test_what_the_readme_shows_and_links_to_is_there():
