@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.quarter_car import QuarterCar
-from bridgectl.road import class_roughness
+from bridgectl.road.iso8608 import requested_roughness
 from bridgectl.road.psd import REFERENCE
 
 
@@ -95,10 +95,7 @@ def white_velocity(
     >>> print(f"{white_velocity('A', 25.0):.3g} m^2/s")
     7.9e-05 m^2/s
     """
-    if isinstance(roughness, str):
-        density = class_roughness(roughness, level)
-    else:
-        density = check.positive("roughness", roughness, unit="m^3")
+    density = requested_roughness(roughness, level)
     return (2 * np.pi * REFERENCE) ** 2 * density / 2 * _above_zero("speed", speed, "m/s")
 
 

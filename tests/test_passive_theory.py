@@ -242,7 +242,7 @@ def test_another_vehicle_is_an_error_that_names_what_to_pass(function, truck):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("I", 20.0), "iso_class must be one of 'A'"),
+        (("I", 20.0), "roughness must be one of 'A'"),
         ((0.0, 20.0), "roughness must be above 0"),
         (("A", 0.0), "speed must be above 0 m/s, got 0"),
         (("A", [10.0, -1.0]), "speed must be above 0 m/s, got -1"),

@@ -158,7 +158,7 @@ def iso8608_elevations(
     if n_steps < 1:
         raise ValueError(f"length must be at least one step of {dx:g} m, got {length:g} m")
     check.choice("method", method, ("spectral", "filter"))
-    level_gd, exponent = _roughness(roughness, level), _waviness(waviness)
+    level_gd, exponent = requested_roughness(roughness, level), _waviness(waviness)
     limits = _band(band, dx)
     rng = np.random.default_rng(seed)
     if method == "spectral":
@@ -224,7 +224,7 @@ def shaping_filter(
     """
     rate = check.positive("speed", speed, unit="m/s")
     low, high = _band(band)
-    poles, gains = _modes(_roughness(roughness, level), _waviness(waviness), (low, high))
+    poles, gains = _modes(requested_roughness(roughness, level), _waviness(waviness), (low, high))
     n = poles.size
     return control.ss(
         -rate * np.diag(poles),
@@ -315,7 +315,8 @@ def _sum_of_waves(
     return period, make
 
 
-def _roughness(roughness: str | float, level: str) -> float:
+def requested_roughness(roughness: str | float, level: str) -> float:
+    """Return G_d(n0) [m^3] of an ISO class, or the number itself."""
     if isinstance(roughness, str):
         check.choice("roughness", roughness, tuple(CLASSES))
         return class_roughness(roughness, level)
