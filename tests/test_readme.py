@@ -39,10 +39,13 @@ def test_the_setup_commands_are_one_line_each():
 
 
 def commands():
-    """What the README lets a user type about own files, in words."""
-    block = re.search(r"```sh\n(bridgectl .*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    """What the README lets a user type, in words: the main job, and those for own files."""
+    text = README.read_text(encoding="utf-8")
+    block = re.search(r"```sh\n(bridgectl .*?)```", text, re.DOTALL)
+    first = re.search(r"\.venv/bin/(bridgectl .*)", text)
     assert block is not None
-    return [shlex.split(line) for line in block[1].splitlines()]
+    assert first is not None
+    return [shlex.split(line) for line in [first[1], *block[1].splitlines()]]
 
 
 @pytest.mark.slow
