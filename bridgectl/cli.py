@@ -164,42 +164,33 @@ def _parser() -> _Parser:
     parser = _Parser(prog="bridgectl", description=MAIN_HELP, formatter_class=look)
     parser.add_argument("--version", action="version", version=f"bridgectl {bc.__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    score = commands.add_parser(
-        "score", help="damper strategies, scored for a bridge", description=SCORE_HELP,
-        formatter_class=look,
-    )  # fmt: skip
-    score.set_defaults(run=run_score)
+
+    def command(
+        name: str, run: Callable[[argparse.Namespace], None], brief: str, description: str
+    ) -> argparse.ArgumentParser:
+        made = commands.add_parser(name, help=brief, description=description, formatter_class=look)
+        made.set_defaults(run=run)
+        return made
+
+    score = command("score", run_score, "damper strategies, scored for a bridge", SCORE_HELP)
     add_score_options(score)
-    dae = commands.add_parser(
-        "dae", help="DAE and DAF of a measured road", description=DAE_HELP, formatter_class=look
-    )
-    dae.set_defaults(run=_run_dae)
+    dae = command("dae", _run_dae, "DAE and DAF of a measured road", DAE_HELP)
     add_file_options(dae)
     add_place_options(dae)
     add_bridge_options(dae)
     add_vehicle_options(dae)
-    profile = commands.add_parser(
-        "profile", help="IRI, spectrum and ISO class of a road file", description=PROFILE_HELP,
-        formatter_class=look,
-    )  # fmt: skip
-    profile.set_defaults(run=_run_profile)
+    brief = "IRI, spectrum and ISO class of a road file"
+    profile = command("profile", _run_profile, brief, PROFILE_HELP)
     add_file_options(profile)
     profile.add_argument(
         "--segment", type=as_number, default=SEGMENT, metavar="M",
         help=f"length over which IRIs are taken [m] (default {SEGMENT:g})",
     )  # fmt: skip
-    paper = commands.add_parser(
-        "paper", help="the paper's numbers", description=PAPER_HELP, formatter_class=look
-    )
-    paper.set_defaults(run=_run_paper)
-    validate = commands.add_parser(
-        "validate", help="DAE against DAF on good roads", description=VALIDATE_HELP,
-        formatter_class=look,
-    )  # fmt: skip
-    validate.set_defaults(run=_run_validate)
+    command("paper", _run_paper, "the paper's numbers", PAPER_HELP)
+    validate = command("validate", _run_validate, "DAE against DAF on good roads", VALIDATE_HELP)
     add_validation_options(validate)
-    for command in (score, dae, profile, paper, validate):
-        add_output_options(command)
+    for made in commands.choices.values():
+        add_output_options(made)
     return parser
 
 
