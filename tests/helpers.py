@@ -9,6 +9,7 @@ import control as ct
 import numpy as np
 
 import bridgectl as bc
+from bridgectl.cli import main
 from bridgectl.dampers.strategy import CROSSING_OUTPUTS
 
 
@@ -19,6 +20,13 @@ def rough_road(
     rng = np.random.default_rng(seed)
     x = start + step * np.arange(round((stop - start) / step) + 1)
     return bc.RoadProfile(x, np.cumsum(rng.normal(0.0, height, x.size)))
+
+
+def run_command(capsys, *arguments) -> tuple[int, str, str]:
+    """Exit status of a `bridgectl` command, and what it prints and says."""
+    status = main([str(argument) for argument in arguments])
+    out, err = capsys.readouterr()
+    return status, out, err
 
 
 def random_case(seed: int) -> dict:

@@ -6,6 +6,7 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
+from helpers import run_command
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -14,12 +15,6 @@ from bridgectl.cli import main
 
 QUICK = ["--approach", "10", "--speeds", "80:110:30"]
 UTIA = files("bridgectl.road").joinpath("data/utia_profile_1.txt").read_bytes()
-
-
-def run(capsys, *arguments):
-    status = main([str(argument) for argument in arguments])
-    out, err = capsys.readouterr()
-    return status, out, err
 
 
 @pytest.fixture
@@ -32,7 +27,7 @@ def road_file(tmp_path):
 
 
 def test_dae_without_a_file_is_the_dae_of_the_measured_road(capsys):
-    status, out, err = run(capsys, "dae")
+    status, out, err = run_command(capsys, "dae")
     assert (status, err) == (0, "")
     assert "Road: UTIA road, bridge from station 678 m" in out
     assert "speed [km/h]" in out
@@ -45,7 +40,7 @@ def test_dae_without_a_file_is_the_dae_of_the_measured_road(capsys):
 
 
 def test_json_holds_every_speed_and_the_librarys_numbers(capsys, road_file):
-    status, out, err = run(capsys, "dae", road_file, *QUICK, "--json", "--no-detrend")
+    status, out, err = run_command(capsys, "dae", road_file, *QUICK, "--json", "--no-detrend")
     assert (status, err) == (0, "")
     result = json.loads(out)
     assert result["speed_km_per_h"] == pytest.approx([80, 110])
@@ -66,7 +61,7 @@ def test_the_options_reach_the_study(capsys, road_file):
         "--damping-ratio", "0.02", "--damping", "12e3", "--sprung-mass", "8000",
         "--speeds", "60,90", "--section", "0.4", "--recovery", "li2006",
     ]  # fmt: skip
-    status, out, _ = run(capsys, "dae", road_file, *options, "--json")
+    status, out, _ = run_command(capsys, "dae", road_file, *options, "--json")
     result = json.loads(out)
     assert status == 0
     assert result["bridge"]["length_m"] == 15
@@ -85,7 +80,7 @@ def test_a_grade_counts_only_if_it_is_asked_for(capsys, tmp_path):
     results = {}
     for name in ("level", "grade"):
         for option in ([], ["--no-detrend"]):
-            _, out, _ = run(capsys, "dae", tmp_path / name, *QUICK, "--json", *option)
+            _, out, _ = run_command(capsys, "dae", tmp_path / name, *QUICK, "--json", *option)
             results[name, bool(option)] = json.loads(out)["daf_simulated"]
     assert results["grade", False] == pytest.approx(results["level", False], abs=1e-9)
     assert np.abs(np.subtract(results["grade", True], results["level", True])).max() > 1e-3
@@ -94,7 +89,7 @@ def test_a_grade_counts_only_if_it_is_asked_for(capsys, tmp_path):
 @pytest.mark.parametrize("suffix", ["png", "svg"])
 def test_dae_draws_what_it_computed(capsys, tmp_path, suffix):
     picture = tmp_path / f"dae.{suffix}"
-    status, out, _ = run(capsys, "dae", *QUICK, "--plot", picture)
+    status, out, _ = run_command(capsys, "dae", *QUICK, "--plot", picture)
     assert status == 0
     assert picture.stat().st_size > 10_000
     assert f"Drawn: {picture}" in out
@@ -102,7 +97,7 @@ def test_dae_draws_what_it_computed(capsys, tmp_path, suffix):
 
 def test_paper_prints_every_printed_number_beside_ours(capsys, tmp_path):
     picture = tmp_path / "paper.png"
-    status, out, err = run(capsys, "paper", "--plot", picture)
+    status, out, err = run_command(capsys, "paper", "--plot", picture)
     assert (status, err) == (0, "")
     for printed in bc.li2006.PRINTED.values():
         assert re.search(rf" {printed:g}( km/h| x/l)? ", out), printed
@@ -112,7 +107,7 @@ def test_paper_prints_every_printed_number_beside_ours(capsys, tmp_path):
 
 
 def test_paper_json_holds_the_differences(capsys):
-    _, out, _ = run(capsys, "paper", "--json")
+    _, out, _ = run_command(capsys, "paper", "--json")
     rows = json.loads(out)["results"]
     for row in rows:
         if row["printed"] is not None:
@@ -123,7 +118,7 @@ def test_paper_json_holds_the_differences(capsys):
 def test_a_tire_that_leaves_the_road_is_a_warning_of_one_line(capsys, tmp_path):
     path = tmp_path / "hump.txt"
     path.write_text("# x [m] z [m]\n0 0\n4 0\n5 0.09\n5.1 0\n36 0\n", encoding="utf-8")
-    status, out, err = run(
+    status, out, err = run_command(
         capsys, "dae", path, "--approach", "10", "--speeds", "36", "--no-detrend"
     )
     assert status == 0
@@ -137,7 +132,7 @@ def test_a_truck_in_tonnes_is_a_warning_of_one_line(capsys):
         "--sprung-mass", "9", "--unsprung-mass", "1", "--suspension-stiffness", "80",
         "--tire-stiffness", "1800", "--damping", "7",
     ]  # fmt: skip
-    _, _, err = run(capsys, "dae", *QUICK, *light)
+    _, _, err = run_command(capsys, "dae", *QUICK, *light)
     assert err.startswith("bridgectl: warning: the vehicle's mass is 10 kg: are its masses in")
     assert err.count("\n") == 1
 
@@ -190,7 +185,7 @@ def test_the_version_is_told(capsys):
     ],
 )
 def test_a_bad_option_is_one_line_and_status_2(capsys, options, says):
-    status, out, err = run(capsys, "dae", *QUICK, *options)
+    status, out, err = run_command(capsys, "dae", *QUICK, *options)
     assert (status, out) == (2, "")
     assert err.startswith("bridgectl: error: ")
     assert err.count("\n") == 1
@@ -222,7 +217,7 @@ def lines(*rows):
 def test_a_bad_road_is_one_line_and_status_2(capsys, tmp_path, content, options, says):
     path = tmp_path / "road.txt"
     path.write_bytes(content)
-    status, out, err = run(capsys, "dae", path, *QUICK, *options)
+    status, out, err = run_command(capsys, "dae", path, *QUICK, *options)
     assert (status, out) == (2, "")
     assert err.startswith("bridgectl: error: ")
     assert err.count("\n") == 1
@@ -230,14 +225,14 @@ def test_a_bad_road_is_one_line_and_status_2(capsys, tmp_path, content, options,
 
 
 def test_a_missing_file_is_one_line_and_status_2(capsys, tmp_path):
-    status, _, err = run(capsys, "dae", tmp_path / "none.csv")
+    status, _, err = run_command(capsys, "dae", tmp_path / "none.csv")
     assert status == 2
     assert err.count("\n") == 1
     assert "none.csv" in err
 
 
 def test_no_command_is_one_line_and_status_2(capsys):
-    status, _, err = run(capsys)
+    status, _, err = run_command(capsys)
     assert status == 2
     assert err.count("\n") == 1
 
@@ -260,7 +255,7 @@ def test_a_damaged_road_file_ends_in_numbers_or_in_one_line(capsys, tmp_path, da
         content = content or bytearray(b"0")
     path = tmp_path / "damaged.txt"
     path.write_bytes(bytes(content))
-    status, out, err = run(
+    status, out, err = run_command(
         capsys, "dae", path, "--units", "m,m", "--approach", "5", "--span", "9", "--speeds", "80"
     )
     assert status in (0, 2)
@@ -284,5 +279,5 @@ def test_ctrl_c_is_quiet(capsys, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(bc, "ramp_surface", interrupted)
-    status, out, err = run(capsys, "dae", *QUICK)
+    status, out, err = run_command(capsys, "dae", *QUICK)
     assert (status, out, err) == (130, "", "")

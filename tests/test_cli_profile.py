@@ -6,18 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers import run_command
 
 import bridgectl as bc
-from bridgectl.cli import main
 
 SHARED = Path(__file__).parents[2] / "shared" / "profiles"
 UTIA = files("bridgectl.road").joinpath("data/utia_profile_1.txt")
-
-
-def run(capsys, *arguments):
-    status = main([str(argument) for argument in arguments])
-    out, err = capsys.readouterr()
-    return status, out, err
 
 
 @pytest.fixture
@@ -36,7 +30,7 @@ def two_tracks(tmp_path):
 
 
 def test_the_measured_road_has_its_published_iri_and_is_good(capsys):
-    status, out, err = run(capsys, "profile")
+    status, out, err = run_command(capsys, "profile")
     assert (status, err) == (0, "")
     row = next(line for line in out.splitlines() if line.strip().startswith("UTIA road"))
     assert row.split()[2:7] == ["478", "1022", "0.25", "3.335", "good"]
@@ -47,7 +41,7 @@ def test_the_measured_road_has_its_published_iri_and_is_good(capsys):
 
 
 def test_every_track_is_measured_and_a_rough_one_is_not_good(capsys, two_tracks):
-    status, out, err = run(capsys, "profile", two_tracks, "--json")
+    status, out, err = run_command(capsys, "profile", two_tracks, "--json")
     assert (status, err) == (0, "")
     left, right = json.loads(out)["tracks"]
     assert (left["name"], right["name"]) == ("survey left", "survey right")
@@ -58,7 +52,7 @@ def test_every_track_is_measured_and_a_rough_one_is_not_good(capsys, two_tracks)
 
 
 def test_the_text_has_a_column_for_each_track(capsys, two_tracks):
-    status, out, _ = run(capsys, "profile", two_tracks, "--segment", "50")
+    status, out, _ = run_command(capsys, "profile", two_tracks, "--segment", "50")
     assert status == 0
     assert "IRI [m/km] of each 50 m" in out
     assert "not good" in out
@@ -66,16 +60,16 @@ def test_the_text_has_a_column_for_each_track(capsys, two_tracks):
 
 
 def test_one_track_may_be_chosen_by_label_or_number(capsys, two_tracks):
-    by_label = run(capsys, "profile", two_tracks, "--track", "RIGHT", "--json")
-    by_number = run(capsys, "profile", two_tracks, "--track", "1", "--json")
+    by_label = run_command(capsys, "profile", two_tracks, "--track", "RIGHT", "--json")
+    by_number = run_command(capsys, "profile", two_tracks, "--track", "1", "--json")
     assert by_label == by_number
     assert [track["name"] for track in json.loads(by_label[1])["tracks"]] == ["survey right"]
 
 
 def test_dae_takes_any_format_and_track(capsys, two_tracks):
     quick = ["--approach", "10", "--speeds", "90", "--json"]
-    left = run(capsys, "dae", two_tracks, *quick)
-    right = run(capsys, "dae", two_tracks, *quick, "--track", "right")
+    left = run_command(capsys, "dae", two_tracks, *quick)
+    right = run_command(capsys, "dae", two_tracks, *quick, "--track", "right")
     assert (left[0], right[0]) == (0, 0)
     assert json.loads(left[1])["road"]["name"] == "survey left"
     assert json.loads(right[1])["critical_daf"] > json.loads(left[1])["critical_daf"]
@@ -84,7 +78,7 @@ def test_dae_takes_any_format_and_track(capsys, two_tracks):
 def test_stations_may_be_left_out_with_a_step(capsys, tmp_path):
     path = tmp_path / "levels.csv"
     path.write_text("\n".join(str(i % 7) for i in range(400)), encoding="utf-8")
-    status, out, err = run(capsys, "profile", path, "--step", "0.25", "--units", "mm")
+    status, out, err = run_command(capsys, "profile", path, "--step", "0.25", "--units", "mm")
     assert (status, err) == (0, "")
     row = next(line.split() for line in out.splitlines() if line.strip().startswith("levels"))
     assert row[1:4] == ["0", "99.75", "0.25"]
@@ -96,7 +90,7 @@ def test_uneven_stations_are_interpolated_and_that_is_said(capsys, tmp_path):
     path = tmp_path / "uneven.csv"
     rows = [f"{a:.4f},{2 * np.sin(a):.4f}" for a in x]
     path.write_text("x [m],z [mm]\n" + "\n".join(rows), encoding="utf-8")
-    status, out, err = run(capsys, "profile", path)
+    status, out, err = run_command(capsys, "profile", path)
     assert status == 0
     assert "uneven" in out
     assert err.startswith("bridgectl: warning: uneven: the stations are unevenly spaced: measured")
@@ -107,18 +101,18 @@ def test_a_road_too_short_for_a_segment_or_a_line_is_measured_as_far_as_it_goes(
     path = tmp_path / "short.csv"
     rows = [f"{0.25 * i},{i % 3}" for i in range(13)]
     path.write_text("x [m],z [mm]\n" + "\n".join(rows), encoding="utf-8")
-    status, out, err = run(capsys, "profile", path, "--json")
+    status, out, err = run_command(capsys, "profile", path, "--json")
     assert status == 0
     assert "an IRI over 3 m says little" in err
     track = json.loads(out)["tracks"][0]
     assert (track["segment_iri_m_per_km"], track["iso_class"]) == ([], None)
-    status, out, _ = run(capsys, "profile", path)
+    status, out, _ = run_command(capsys, "profile", path)
     assert "of each" not in out
 
 
 def test_the_figure_is_drawn(capsys, two_tracks, tmp_path):
     picture = tmp_path / "survey.png"
-    status, out, _ = run(capsys, "profile", two_tracks, "--plot", picture)
+    status, out, _ = run_command(capsys, "profile", two_tracks, "--plot", picture)
     assert status == 0
     assert out.rstrip().endswith(f"Drawn: {picture}")
     assert picture.stat().st_size > 40_000
@@ -136,7 +130,7 @@ def test_the_figure_is_drawn(capsys, two_tracks, tmp_path):
     ],
 )
 def test_a_mistake_is_told_in_one_line(capsys, two_tracks, options, message):
-    status, out, err = run(capsys, "profile", two_tracks, *options)
+    status, out, err = run_command(capsys, "profile", two_tracks, *options)
     assert (status, out) == (2, "")
     assert len(err.splitlines()) == 1
     assert message in err
@@ -144,7 +138,7 @@ def test_a_mistake_is_told_in_one_line(capsys, two_tracks, options, message):
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the shared reference files are not here")
 def test_the_shared_erd_file_has_the_iri_that_its_header_states(capsys):
-    status, out, _ = run(capsys, "profile", SHARED / "txdot_track_run_e1.erd", "--json")
+    status, out, _ = run_command(capsys, "profile", SHARED / "txdot_track_run_e1.erd", "--json")
     assert status == 0
     iri = [63.36 * track["iri_m_per_km"] for track in json.loads(out)["tracks"]]
     assert iri == pytest.approx([183.22, 162.95], abs=0.02)

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from helpers import run_command
 
 import bridgectl as bc
 from bridgectl import scoring
@@ -15,9 +16,7 @@ TWO = [*QUICK, "--strategies", "skyhook", "--random", "1"]
 
 
 def run(capsys, *arguments):
-    status = main(["score", *map(str, arguments)])
-    out, err = capsys.readouterr()
-    return status, out, err
+    return run_command(capsys, "score", *arguments)
 
 
 def write_road(path, height=2.0, length=40.0):

@@ -5,10 +5,9 @@ import re
 
 import numpy as np
 import pytest
-from helpers import rough_road
+from helpers import rough_road, run_command
 
 import bridgectl as bc
-from bridgectl.cli import main
 from bridgectl.good_roads import EXTREME_RAMP, good_roads
 from bridgectl.plots import validation_figure
 from bridgectl.report_validation import print_validation
@@ -22,12 +21,6 @@ from bridgectl.validation import (
 )
 
 FEW = np.array([66.0, 100.0, 108.0]) / 3.6
-
-
-def run(capsys, *arguments):
-    status = main([str(argument) for argument in arguments])
-    out, err = capsys.readouterr()
-    return status, out, err
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +126,7 @@ def test_the_whole_validation_meets_what_it_is_required_to():
 
 
 def test_every_case_is_printed_with_the_summary(capsys):
-    status, out, err = run(capsys, "validate", "--spans", "25,35", "--speeds", "66,108")
+    status, out, err = run_command(capsys, "validate", "--spans", "25,35", "--speeds", "66,108")
     assert (status, err) == (0, "")
     for span in (25, 35):
         for start in ("at rest at its start", "200 m of approach"):
@@ -148,7 +141,9 @@ def test_every_case_is_printed_with_the_summary(capsys):
 
 
 def test_json_holds_every_case_at_every_speed(capsys):
-    status, out, err = run(capsys, "validate", "--spans", "25", "--speeds", "66,100,108", "--json")
+    status, out, err = run_command(
+        capsys, "validate", "--spans", "25", "--speeds", "66,100,108", "--json"
+    )
     assert (status, err) == (0, "")
     result = json.loads(out)
     assert result["speed_km_per_h"] == pytest.approx([66, 100, 108])
@@ -185,7 +180,7 @@ def test_the_figure_has_the_papers_panels_with_units(few, tmp_path):
 
 def test_the_command_draws(capsys, tmp_path):
     picture = tmp_path / "validation.svg"
-    status, out, _ = run(capsys, "validate", "--spans", "25", "--speeds", "66,108",
+    status, out, _ = run_command(capsys, "validate", "--spans", "25", "--speeds", "66,108",
                          "--plot", picture)  # fmt: skip
     assert status == 0
     assert f"Drawn: {picture}" in out
@@ -203,7 +198,7 @@ def test_the_command_draws(capsys, tmp_path):
     ],
 )
 def test_a_mistake_is_told_in_one_line_before_the_work(capsys, options, message):
-    status, out, err = run(capsys, "validate", *options)
+    status, out, err = run_command(capsys, "validate", *options)
     assert (status, out) == (2, "")
     assert len(err.splitlines()) == 1
     assert message in err
