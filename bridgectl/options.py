@@ -160,7 +160,6 @@ def place_road(
 
     `what` names the road in errors; `station` [m] is that of the bridge if --station is not given.
     """
-    check_ramps("--approach", args.approach)
     if station is None:
         station = float(whole.x[0]) + args.approach
     station = station if args.station is None else args.station

@@ -209,6 +209,11 @@ def merge_places(places: FloatArray) -> FloatArray:
     return np.asarray(places[np.concatenate([[True], np.diff(places) > SAME_PLACE])])
 
 
+def bridge_entry(nodes: FloatArray) -> int:
+    """Index of the node at the start of the bridge: the nodes before it are on the approach."""
+    return int(np.searchsorted(nodes, -SAME_PLACE))
+
+
 def sample_positions(nodes: FloatArray) -> FloatArray:
     """Positions of the samples: each cell's start and stages, and the last node [m]."""
     inner = nodes[:-1, np.newaxis] + np.diff(nodes)[:, np.newaxis] * SAMPLES

@@ -19,7 +19,7 @@ from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
 from bridgectl.peaks import find_peaks, margins, raise_peaks, whole_cells
-from bridgectl.propagator import SAME_PLACE, SAMPLES, Cells, build_cells
+from bridgectl.propagator import SAME_PLACE, SAMPLES, Cells, bridge_entry, build_cells
 from bridgectl.simulation import Run, speed_batches
 
 ALL = slice(None)
@@ -241,7 +241,7 @@ def factor_histories(
     The ramps start at ``run.start``, `ramp_length` apart.
     """
     nodes = run.nodes(float(speeds.min()))
-    entry = int(np.searchsorted(nodes, -SAME_PLACE))
+    entry = bridge_entry(nodes)
     nodes = nodes[entry:]
     # About as many blocks as cells in a block: both loops are then short. Cells beyond the exit
     # fill the last block; nothing reads them.

@@ -17,7 +17,13 @@ from bridgectl.beam import Beam
 from bridgectl.contact import fly
 from bridgectl.crossing import Crossing
 from bridgectl.peaks import find_peaks
-from bridgectl.propagator import SAME_PLACE, SAMPLES, merge_places, sample_positions
+from bridgectl.propagator import (
+    SAME_PLACE,
+    SAMPLES,
+    bridge_entry,
+    merge_places,
+    sample_positions,
+)
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
 from bridgectl.simulation import (
@@ -249,8 +255,8 @@ def _reference_peak(run: Run) -> tuple[float, float | None]:
 
 def _peak(samples: FloatArray, nodes: FloatArray) -> float:
     """Peak of an effect on the bridge, from its samples on the approach and the bridge."""
-    entry = int(np.searchsorted(nodes, -SAME_PLACE))
-    return float(find_peaks(samples[len(SAMPLES) * entry :, np.newaxis]).values[0])
+    before = len(SAMPLES) * bridge_entry(nodes)
+    return float(find_peaks(samples[before:, np.newaxis]).values[0])
 
 
 def _only_fast(method: str) -> None:

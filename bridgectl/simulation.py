@@ -23,6 +23,7 @@ from bridgectl.propagator import (
     N_STAGES,
     SAME_PLACE,
     Cells,
+    bridge_entry,
     build_cells,
     cell_nodes,
     kink_positions,
@@ -112,7 +113,7 @@ def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> 
 
 def propagate(run: Run, speeds: FloatArray, nodes: FloatArray) -> list[Stretch]:
     """Simulate the linear crossing: the approach if there is one, then the bridge."""
-    crossing, entry = run.crossing, int(np.searchsorted(nodes, -SAME_PLACE))
+    crossing, entry = run.crossing, bridge_entry(nodes)
     initial = np.zeros((len(speeds), crossing.n_states, 1))
     stretches = []
     if entry > 0:

@@ -16,7 +16,7 @@ from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.dae import RampSurface
 from bridgectl.peaks import find_peaks
-from bridgectl.propagator import SAME_PLACE, sample_positions
+from bridgectl.propagator import SAME_PLACE, bridge_entry, sample_positions
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.ramps import DenseHistories, Histories, factor_histories
 from bridgectl.response import METHODS
@@ -148,7 +148,7 @@ def _simulate_ramps(
     """Histories of one control-library simulation for each ramp and speed."""
     n_ramps = len(edges) - 1
     nodes = run.nodes(float(speeds.min()))
-    nodes = nodes[np.searchsorted(nodes, -SAME_PLACE) :]
+    nodes = nodes[bridge_entry(nodes) :]
     positions = sample_positions(nodes)
     moments = np.empty((len(speeds), n_ramps + 1, len(positions)))
     cases = [(i, ramp) for i in range(len(speeds)) for ramp in range(n_ramps + 1)]

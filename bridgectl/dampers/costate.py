@@ -12,9 +12,9 @@ from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.peaks import find_peaks
-from bridgectl.propagator import SAME_PLACE
+from bridgectl.propagator import bridge_entry
 from bridgectl.quarter_car import QuarterCar
-from bridgectl.simulation import effect_samples, prepare, propagate, state_maps
+from bridgectl.simulation import Stretch, effect_samples, prepare, propagate, state_maps
 
 REACH = 60.0
 """How far before the bridge a damper is looked at, or commanded [m]."""
@@ -34,6 +34,16 @@ class Costate(NamedTuple):
             f"{self.positions[-1]:.4g} m, sigma from {self.sigma.min():.3g} to "
             f"{self.sigma.max():.3g} 1/(N s))"
         )
+
+
+def smooth_crossing(
+    crossing: Crossing, reach: float
+) -> tuple[FloatArray, Stretch, list[FloatArray]]:
+    """Nodes [m] from a reach [m] before the bridge, the bridge, and the map over each cell."""
+    run = prepare(crossing, None, -reach)
+    nodes = run.nodes(crossing.speed)
+    stretches = propagate(run, np.array([crossing.speed]), nodes)
+    return nodes, stretches[-1], state_maps(stretches)
 
 
 @on_one_thread
@@ -69,17 +79,14 @@ def costate(
     (np.float64(-60.0), np.float64(11.7))
     """
     crossing = Crossing(beam, vehicle, speed, section)
-    run = prepare(crossing, None, -check.not_negative("reach", reach, unit="m"))
-    nodes = run.nodes(crossing.speed)
-    entry = int(np.searchsorted(nodes, -SAME_PLACE))
-    stretches = propagate(run, np.array([crossing.speed]), nodes)
-    top = find_peaks(effect_samples(crossing, stretches[-1]).T)
-    last = entry + int(top.cells[0] + (top.fractions[0] > 0.5))
+    nodes, bridge, steps = smooth_crossing(crossing, check.not_negative("reach", reach, unit="m"))
+    top = find_peaks(effect_samples(crossing, bridge).T)
+    last = bridge_entry(nodes) + int(top.cells[0] + (top.fractions[0] > 0.5))
     rows, force = crossing.rows(nodes[last]), crossing.damper_matrix[:, 0]
     line = rows.per_state + rows.per_force @ crossing.tire_rows(float(nodes[last]))
     sigma = np.empty(last + 1)
     sigma[last] = line @ force
-    for k, step in reversed([*enumerate(state_maps(stretches)[:last])]):
+    for k, step in reversed([*enumerate(steps[:last])]):
         n = len(step)  # on the approach the vehicle alone counts
         line = line[:n] @ step
         sigma[k] = line @ force[:n]

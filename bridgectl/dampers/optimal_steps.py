@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
-from bridgectl.propagator import SAME_PLACE, build_cells, cell_nodes, merge_places, road_rows
-from bridgectl.simulation import Run
+from bridgectl.propagator import SAME_PLACE, cell_nodes, merge_places, road_rows
+from bridgectl.simulation import Run, propagate
 
 MOST_INTERVALS = 5_000
 """Most intervals: beyond, the solver takes minutes, and the optimum is no lower."""
@@ -141,15 +141,11 @@ def _through(
 
 def _cell_maps(run: Run, nodes: FloatArray) -> list[FloatArray]:
     """Map from [states at the start, 1] to the states at the end of each cell."""
-    crossing, entry = run.crossing, int(np.searchsorted(nodes, -SAME_PLACE))
     maps: list[FloatArray] = []
-    for part, on_bridge in ((nodes[: entry + 1], False), (nodes[entry:], True)):
-        if len(part) > 1:
-            cells = build_cells(crossing, np.array([crossing.speed]), part, on_bridge=on_bridge)
-            from_states, from_road = (of[0, :, : cells.n_states] for of in cells.transitions())
-            of = cells.map_of
-            besides = from_road[of] @ road_rows(run.road(part))[..., np.newaxis]
-            maps.extend(np.concatenate([from_states[of], besides], axis=2))
+    for cells, road, *_ in propagate(run, np.array([run.crossing.speed]), nodes):
+        from_states, from_road = (of[0, :, : cells.n_states] for of in cells.transitions())
+        besides = from_road[cells.map_of] @ road_rows(road)[..., np.newaxis]
+        maps.extend(np.concatenate([from_states[cells.map_of], besides], axis=2))
     return maps
 
 

@@ -39,11 +39,11 @@ from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
-from bridgectl.propagator import SAME_PLACE, SAMPLES
+from bridgectl.propagator import SAMPLES, bridge_entry
 from bridgectl.quarter_car import QuarterCar
-from bridgectl.simulation import Stretch, effect_samples, prepare, propagate, state_maps
+from bridgectl.simulation import Stretch, effect_samples
 
-from .costate import REACH
+from .costate import REACH, smooth_crossing
 from .steps import AXLE, BODY, SUSPENSION
 
 SHARPNESS = 10.0
@@ -128,11 +128,8 @@ def peak_value(
     (np.float64(-60.0), np.float64(25.0))
     """
     crossing = Crossing(beam, replace(vehicle, damping=(c_min + c_max) / 2), speed, section)
-    run = prepare(crossing, None, -reach)
-    nodes = run.nodes(crossing.speed)
-    entry = int(np.searchsorted(nodes, -SAME_PLACE))
-    stretches = propagate(run, np.array([crossing.speed]), nodes)
-    bridge, steps = stretches[-1], state_maps(stretches)
+    nodes, bridge, steps = smooth_crossing(crossing, reach)
+    entry = bridge_entry(nodes)
     to_states = _expected(crossing, steps[entry:], nodes[entry:])
     sweep = _Backward(crossing, bridge, sharpness, (c_max - c_min) / 2 / yield_speed)
     durations = np.gradient(nodes) / crossing.speed
