@@ -242,6 +242,23 @@ def test_the_command_needs_the_speed_whose_law_it_is(bridge, truck):
             law.command(**speed, **signals)
 
 
+@pytest.mark.parametrize(
+    ("changes", "error", "says"),
+    [
+        ({"c_min": STIFF, "c_max": SOFT}, ValueError, "c_min must not exceed c_max"),
+        ({"c_max": 0.0}, ValueError, r"c_max must be above 0 \[N s/m\]"),
+        ({"reach": -1.0}, ValueError, r"reach must be 0 or more \[m\]"),
+        ({"sharpness": 0.0}, ValueError, "sharpness must be above 0"),
+        ({"yield_speed": 0.0}, ValueError, r"yield_speed must be above 0 \[m/s\]"),
+        ({"vehicle": bc.convoy([bc.li2006.car()], [0])}, TypeError, "vehicle must be a QuarterCar"),
+    ],
+)
+def test_a_peak_value_that_cannot_be_is_refused(bridge, truck, changes, error, says):
+    asked = {"beam": bridge, "vehicle": truck, "speed": SPEED, "c_min": SOFT, "c_max": STIFF}
+    with pytest.raises(error, match=says):
+        peak_value(**asked | changes)
+
+
 # What it does to a bridge
 
 

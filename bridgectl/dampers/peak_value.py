@@ -35,6 +35,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
 
+from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
@@ -43,8 +44,10 @@ from bridgectl.propagator import SAMPLES, bridge_entry
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.simulation import Stretch, effect_samples
 
+from .actuator import bare_vehicle
 from .costate import REACH, smooth_crossing
 from .steps import AXLE, BODY, SUSPENSION
+from .strategy import damping_bounds
 
 SHARPNESS = 10.0
 """beta, per unit of the peak static moment: 0.1 of it is what a road may change of a peak."""
@@ -119,6 +122,11 @@ def peak_value(
     -------
     PeakValue
 
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not what is described above.
+
     Examples
     --------
     >>> import bridgectl as bc
@@ -127,11 +135,15 @@ def peak_value(
     >>> found.positions[0].round(3), found.positions[-1].round(3)
     (np.float64(-60.0), np.float64(25.0))
     """
-    crossing = Crossing(beam, replace(vehicle, damping=(c_min + c_max) / 2), speed, section)
-    nodes, bridge, steps = smooth_crossing(crossing, reach)
+    soft, stiff = damping_bounds(c_min, c_max)
+    beta = check.positive("sharpness", sharpness)
+    curvature = (stiff - soft) / 2 / check.positive("yield_speed", yield_speed, unit="m/s")
+    car = replace(bare_vehicle(vehicle), damping=(soft + stiff) / 2)
+    crossing = Crossing(beam, car, speed, section)
+    nodes, bridge, steps = smooth_crossing(crossing, check.not_negative("reach", reach, unit="m"))
     entry = bridge_entry(nodes)
     to_states = _expected(crossing, steps[entry:], nodes[entry:])
-    sweep = _Backward(crossing, bridge, sharpness, (c_max - c_min) / 2 / yield_speed)
+    sweep = _Backward(crossing, bridge, beta, curvature)
     durations = np.gradient(nodes) / crossing.speed
     constant, gains = np.zeros(len(nodes)), np.zeros((len(nodes), 2))
     for k in range(len(nodes) - 1, -1, -1):
