@@ -6,12 +6,12 @@ from .closed_loop import simulate_loop
 from .costate import Costate, costate
 from .laws import add, continuous_skyhook, groundhook, hybrid, passive, pdd, sh_add, skyhook
 from .library import library
-from .loop import LoopResult
 from .lqr import clipped_lqr
 from .optimal import Clairvoyant, clairvoyant
 from .peak_value import PeakValue, peak_value
 from .preset import preset
 from .program import program
+from .result import LoopResult
 from .strategy import SIGNALS, Strategy
 from .tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
 

@@ -15,7 +15,8 @@ from bridgectl.propagator import SAME_PLACE
 from bridgectl.quarter_car import QuarterCar
 
 from .actuator import Damper, as_damper, bare_vehicle
-from .loop import RECORDED, Loop, LoopResult
+from .loop import RECORDED, Loop
+from .result import LoopResult
 from .strategy import Strategy
 
 

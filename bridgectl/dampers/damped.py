@@ -17,8 +17,10 @@ from bridgectl.simulation import Run
 from bridgectl.surface import ramp_surface
 
 from .actuator import Damper, as_damper, bare_vehicle
+from .advance import Ends
 from .closed_loop import simulate_loop
-from .loop import Ends, Loop, LoopResult
+from .loop import Loop
+from .result import LoopResult
 from .steps import SUSPENSION
 from .strategy import Strategy
 
@@ -72,7 +74,7 @@ def damped_response(
     loop = Loop(crossing, as_damper(damper), np.array([crossing.speed]), x, -run.road(x).T)
     places: list[float] = [x[0]]
     states: list[FloatArray] = [np.zeros(crossing.n_states)]
-    forces, dampings = [loop.weight], [0.0]
+    forces, dampings = [loop.stepper.weight], [0.0]
 
     def keep(now: Ends, place: float) -> None:
         places.append(place)
@@ -86,7 +88,7 @@ def damped_response(
     index = np.minimum(np.searchsorted(every, wanted - SAME_PLACE), every.size - 1)
     columns = columns[:, index]
     velocity = SUSPENSION @ columns[: crossing.n_vehicle]
-    force = loop.damper_force(np.array(dampings)[index], velocity)
+    force = loop.stepper.damper_force(np.array(dampings)[index], velocity)
     tires = np.array(forces)[np.newaxis, index]
     return run._replace(crossing=crossing), wanted, columns, tires, force[np.newaxis]
 

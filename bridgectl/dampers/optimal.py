@@ -40,8 +40,8 @@ from bridgectl.simulation import prepare
 from .actuator import Damper, bare_vehicle
 from .costate import costate
 from .damped import simulate_run
-from .loop import LoopResult
 from .optimal_steps import Steps, join, march
+from .result import LoopResult
 from .strategy import Strategy, damping_bounds
 
 STEPS = (5e-3, 2.5e-3, 1.25e-3)

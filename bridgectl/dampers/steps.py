@@ -5,11 +5,13 @@ the ends of the bridge. Within a step vehicle and modes move freely and exactly;
 and the damper force F are straight lines through two Gauss points (the stages), and the road under
 the tire is one too. With u = y_t - v at the stages and w = y_s' - y_t',
 
-    u = u_free + C_uR R + C_uF F,    R = max(0, W + K_t (u - r)),     Eq. (2)
-    w = w_free + C_wR R + C_wF F,    F = c w
+    u = u_free + C_uR (R - W) + C_uF F,    R - W = max(-W, K_t (u - r)),     Eq. (2)
+    w = w_free + C_wR (R - W) + C_wF F,    F = c w
 
-which a few substitutions solve, since the masses hardly move within a step: C is small. A tire
-that leaves the road and a limit of the damper force need no other equations.
+which a few substitutions solve, since the masses hardly move within a step: C is small. The
+vehicle takes R - W, so that one at rest on a level road stays so to the bit; the beam takes R.
+Where a tire leaves or meets the road within a step, or F its limit, the step is cut there: see
+`bridgectl.dampers.events`.
 """
 
 from __future__ import annotations
@@ -42,8 +44,9 @@ SUSPENSION = np.array([0.0, 1.0, 0.0, -1.0])
 TIRE, DAMPER = slice(0, 2), slice(2, 4)
 """Rows of u and of w at the stages, and columns of R and of F."""
 
-TIRE_LATER, MOMENT, STATES = slice(4, 6), slice(6, 8), 8
-"""Rows of u and of the states' share of the moment at middle and end; first row of the states."""
+TIRE_LATER, STATES, MOMENT = slice(4, 6), 6, slice(-4, None)
+"""Rows of u at middle and end; first row of the states; last rows, on the bridge, those of the
+states' share of the moment at all `POINTS`."""
 
 
 @dataclass(frozen=True)
@@ -163,9 +166,9 @@ class Steps:
     free: FloatArray
     """From [1, states], (S, K, rows, 1 + n)."""
     forced: FloatArray
-    """From [R, F] at the stages, (S, K, rows, 4)."""
+    """From [R - W, F] at the stages, (S, K, rows, 4)."""
     influence: FloatArray
-    """Moment per tire force at middle and end, (S, K, 2, 1)."""
+    """Moment per tire force at the points, (S, K, 4, 1)."""
     durations: FloatArray
     """Durations [s], (S, K)."""
     piece: NDArray[np.intp]
@@ -207,8 +210,9 @@ def make_steps(
     n, vehicle = crossing.n_vehicle, crossing.linear
     batch, n_modes = durations.shape, crossing.beam.n_modes if on_bridge else 0
     n_states = n + 2 * n_modes
-    free = np.zeros((*batch, STATES + n_states, 1 + n_states))
-    forced = np.zeros((*batch, STATES + n_states, 4))
+    n_rows = STATES + n_states + (len(POINTS) if on_bridge else 0)
+    free = np.zeros((*batch, n_rows, 1 + n_states))
+    forced = np.zeros((*batch, n_rows, 4))
     own, by = slice(1, n + 1), slice(STATES, STATES + n)
     # Columns R and F: a tire, then a damper, each with its values at the stages.
     held = np.moveaxis(held_vehicle, -1, -2).reshape(*batch, len(POINTS), n, 4)
@@ -219,14 +223,13 @@ def make_steps(
     free[..., TIRE_LATER, own] = hub @ free_vehicle[..., 2:, :, :]
     forced[..., TIRE_LATER, :] = hub @ held[..., 2:, :, :]
     free[..., by, own], forced[..., by, :] = free_vehicle[..., 3, :, :], held[..., 3, :, :]
-    # The vehicle takes R - W.
-    free[..., 0] = -vehicle.static_loads[0] * forced[..., TIRE].sum(axis=-1)
+    influence = np.zeros_like(x)
     if on_bridge:
         _add_beam(crossing, free, forced, x, free_modes, held_modes)
-    gains = np.where(x[..., 2:] <= crossing.beam.length + SAME_PLACE, 1.0, 0.0)
-    influence = gains * crossing.rows(x[..., 2:]).per_force[..., 0]
-    free[..., MOMENT, :] *= gains[..., np.newaxis]
-    forced[..., MOMENT, :] *= gains[..., np.newaxis]
+        gains = np.where(x <= crossing.beam.length + SAME_PLACE, 1.0, 0.0)
+        influence = gains * crossing.rows(x).per_force[..., 0]
+        free[..., MOMENT, :] *= gains[..., np.newaxis]
+        forced[..., MOMENT, :] *= gains[..., np.newaxis]
     middle = np.clip(x[..., 2], stations[0], stations[-1])
     piece = np.clip(np.searchsorted(stations, middle, side="right") - 1, 0, stations.size - 2)
     share = (x - stations[piece][..., np.newaxis]) / np.diff(stations)[piece][..., np.newaxis]
@@ -246,17 +249,21 @@ def _add_beam(
     n, n_modes = crossing.n_vehicle, crossing.beam.n_modes
     # Modal states at each point per value of R at each stage: (..., modes, points, 2, stages).
     modal = held_modes[..., 0] * np.moveaxis(shapes[..., :2, :], -1, -2)[..., None, None, :]
+    per_force = np.zeros_like(forced[..., TIRE])
     for row, point in ((0, 0), (1, 1), (4, 2), (5, 3)):
         under = shapes[..., point, :, np.newaxis]
         own = under * free_modes[..., point, 0, :]
         free[..., row, n + 1 :] -= own.reshape(*own.shape[:-2], -1)
-        forced[..., row, TIRE] -= (under * modal[..., point, 0, :]).sum(axis=-2)
+        per_force[..., row, :] = -(under * modal[..., point, 0, :]).sum(axis=-2)
     of_beam = crossing.rows(0.0).per_state[n:].reshape(n_modes, 2)
-    for row, point in ((6, 2), (7, 3)):
+    for point in range(len(POINTS)):
+        row = MOMENT.start + point
         own = np.einsum("ja,...jab->...jb", of_beam, free_modes[..., point, :, :])
         free[..., row, n + 1 :] = own.reshape(*own.shape[:-2], -1)
-        forced[..., row, TIRE] = np.einsum("ja,...jai->...i", of_beam, modal[..., point, :, :])
+        per_force[..., row, :] = np.einsum("ja,...jai->...i", of_beam, modal[..., point, :, :])
     for j in range(n_modes):
         rows = slice(STATES + n + 2 * j, STATES + n + 2 * j + 2)
         free[..., rows, n + 1 + 2 * j : n + 3 + 2 * j] = free_modes[..., j, 3, :, :]
-        forced[..., rows, TIRE] = modal[..., j, 3, :, :]
+        per_force[..., rows, :] = modal[..., j, 3, :, :]
+    forced[..., TIRE] += per_force
+    free[..., 0] = crossing.linear.static_loads[0] * per_force.sum(axis=-1)

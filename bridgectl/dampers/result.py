@@ -1,0 +1,83 @@
+"""What a run of crossings with a damper in the loop has found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridgectl._checks import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class LoopResult:
+    """A crossing of each speed and road, found by `simulate_loop`: shapes (n_speeds, n_roads).
+
+    Attributes
+    ----------
+    daf : ndarray
+        Peak moment over the peak static one [-].
+    least_force : ndarray
+        Least tire force over its static load [-], from the first station to the last.
+    lift_off : ndarray
+        Where the tire first leaves the road [m]; infinity if it never does.
+    dissipated : ndarray
+        Energy that the damper has taken out [J].
+    switches : ndarray
+        Number of times that the command crosses the middle of its range.
+    histories : tuple of dict
+        For each speed, what was recorded by name, shape (n_roads, n_samples): samples of the
+        controller, the first at the first station. See `simulate_loop` for their units.
+    """
+
+    daf: FloatArray
+    least_force: FloatArray
+    lift_off: FloatArray
+    dissipated: FloatArray
+    switches: NDArray[np.intp]
+    histories: tuple[dict[str, FloatArray], ...] = ()
+
+    def __repr__(self) -> str:
+        recorded = ", ".join(self.histories[0]) if self.histories else "nothing"
+        return (
+            f"LoopResult({self.daf.shape[0]} speeds, {self.daf.shape[1]} roads, DAF from "
+            f"{self.daf.min():.4f} to {self.daf.max():.4f}, least force "
+            f"{self.least_force.min():.3f} of the static load, up to {self.dissipated.max():.3g} J "
+            f"dissipated and {self.switches.max()} switches, recorded: {recorded})"
+        )
+
+    def of_speeds(self, order: NDArray[np.intp]) -> LoopResult:
+        """Return the speeds in another order.
+
+        Parameters
+        ----------
+        order : ndarray of int, shape (n_speeds,)
+            Which speeds, by number from 0.
+
+        Returns
+        -------
+        LoopResult
+        """
+        return LoopResult(
+            self.daf[order], self.least_force[order], self.lift_off[order],
+            self.dissipated[order], self.switches[order],
+            tuple(self.histories[i] for i in order) if self.histories else (),
+        )  # fmt: skip
+
+    def of_roads(self, roads: slice) -> LoopResult:
+        """Return some of the roads; the histories are as they were recorded.
+
+        Parameters
+        ----------
+        roads : slice
+            Which roads, by number from 0.
+
+        Returns
+        -------
+        LoopResult
+        """
+        return LoopResult(
+            self.daf[:, roads], self.least_force[:, roads], self.lift_off[:, roads],
+            self.dissipated[:, roads], self.switches[:, roads], self.histories,
+        )  # fmt: skip
