@@ -145,6 +145,11 @@ def test_signals_of_shapes_that_do_not_fit_are_named():
         LAW.command(body_velocity=[1, 2], axle_velocity=[1, 2, 3])
 
 
+def test_a_signal_of_rows_of_different_lengths_is_named():
+    with pytest.raises(TypeError, match="body_velocity must be an array of numbers"):
+        LAW.command(body_velocity=[[1.0], [1.0, 2.0]])
+
+
 def test_a_signal_that_is_nan_is_named_and_not_taken_for_a_soft_damper():
     with pytest.raises(ValueError, match="body_velocity must be finite, got nan"):
         LAW.command(body_velocity=np.nan, suspension_velocity=0.1)

@@ -41,7 +41,7 @@ def daf_of_blocks(law, method="RK45", rtol=1e-6, atol=1e-9, max_step=4e-3):
         closed(law), X / SPEED, Z[0] - Z, 0, t_eval=t, solve_ivp_method=method,
         solve_ivp_kwargs={"rtol": rtol, "atol": atol, "max_step": max_step},
     )  # fmt: skip
-    return found.outputs[0][t * SPEED <= BEAM.length].max()
+    return float(np.max(found.outputs[0][t * SPEED <= BEAM.length]))
 
 
 def daf_of_samples(law, sample_time):
@@ -58,11 +58,11 @@ def daf_of_samples(law, sample_time):
     ],
 )
 def test_a_block_of_the_control_library_is_the_law_with_a_small_sample_time(name):
-    """A sampled law is late by up to a sample. That is worth 4e-5 of the DAF at the usual 2 ms, and
-    at 0.25 ms below 1e-5; the grid of moments holds the peak within 2e-6.
+    """A sampled law is late by up to a sample. That is worth up to 6e-5 of the DAF at the usual
+    2 ms, and at 0.25 ms below 2e-5; the grid of moments holds the peak within 2e-6.
     """
     law = LAWS[name]
-    assert daf_of_samples(law, 0.25e-3) == pytest.approx(daf_of_blocks(law), abs=1e-5)
+    assert daf_of_samples(law, 0.25e-3) == pytest.approx(daf_of_blocks(law), abs=2e-5)
 
 
 @pytest.mark.slow
@@ -132,6 +132,7 @@ def test_a_law_may_divide_by_the_tire_force():
     law = Strategy("per load", lambda s, g: 7e8 / s.tire_force, SOFT, STIFF)
     weight = CAR.linear.static_loads[0]
     assert closed(law).output(-0.01, np.zeros(8), [0.0])[1] == pytest.approx(7e8 / weight)
+    assert LAWS["clipped LQR"].system(SPEED).output(0.0, [], np.zeros(5))[1] == SOFT
     with pytest.raises(ValueError, match="per load returned infinity"):
         law.system(SPEED).output(0.0, [], [0, 0, 0, 0.1, 0])  # a tire in the air
 

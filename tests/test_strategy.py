@@ -215,13 +215,16 @@ def compiled(source, library, compiler):
         ("law.txt", ValueError, r"path must end in \.c, got 'law.txt'"),
         (".c", ValueError, r"path must end in \.c"),
         (3, TypeError, "path must be a string or Path, got 3"),
-        ("missing/law.c", FileNotFoundError, "law.c"),
+        ("missing/law.c", FileNotFoundError, "missing/law.c"),
+        ("folder.c", IsADirectoryError, "folder.c"),
     ],
 )
 def test_a_path_that_takes_no_c_file_is_named(path, error, message, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder.c").mkdir()
     with pytest.raises(error, match=message):
         LAWS["skyhook"].to_c(path)
+    assert [file.name for file in tmp_path.iterdir()] == ["folder.c"]
 
 
 # What is refused

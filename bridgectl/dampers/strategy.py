@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._files import replacing
 from bridgectl.crossing import Crossing
 
 from .expression import law_function, warn_of_slips
@@ -76,7 +77,8 @@ class Strategy:
     law : callable
         ``law(s, g)`` returns the command c [N s/m]. ``s`` has the signals of
         `bridgectl.dampers.SIGNALS` as attributes, ``g`` the gains, and ``c_min``, ``c_max``. What
-        it returns is kept within [c_min, c_max].
+        it returns is kept within [c_min, c_max]; NaN and infinity are errors when they occur. It
+        is called once, with CasADi expressions: see the errors for what Python does not do to them.
     c_min, c_max : float
         Bounds of the damping [N s/m].
     gains : mapping, optional
@@ -86,7 +88,15 @@ class Strategy:
     ------
     TypeError, ValueError
         If a bound, a gain or the law is not what is described above: bounds reversed, a gain
-        outside its bounds, a signal or gain that the law names and that is unknown.
+        outside its bounds, a signal or gain that the law names and that is unknown, a law that
+        takes its signals for numbers (by `if`, `and`, `max`, `math.sqrt`, `float`, ...), that fails
+        or that does not return one number or expression.
+
+    Warns
+    -----
+    UserWarning
+        If what the law returns changes its sign with the motion, as a force does, or is a hundred
+        times below `c_min` or above `c_max`, as in kN s/m.
 
     Examples
     --------
@@ -120,6 +130,7 @@ class Strategy:
         limits = {"c_min": self.c_min, "c_max": self.c_max}
         free = law_function(self.name, law, SIGNALS, [*self.gains], **limits)
         warn_of_slips(self.name, free, SIGNALS, np.array([*self.gains.values()]), **limits)
+        # Of signals and gains, columns in their orders; name, law, bounds and this belong together.
         self.function = _within(free, self.c_min, self.c_max)
 
     def __repr__(self) -> str:
@@ -338,10 +349,15 @@ class Strategy:
         rate, row = MOTION.index("suspension_velocity"), np.zeros((len(SIGNALS), 1))
 
         def output(t: float, x: FloatArray, u: FloatArray, p: dict[str, Any]) -> FloatArray:
-            if len(u) > len(MOTION) and not u.any():
-                return np.zeros(2)  # outputs of other systems are not known yet
             row[places, 0] = *u, velocity * t, velocity
-            c = float(self.evaluate(row)[0])
+            try:
+                c = float(self.evaluate(row)[0])
+            except ValueError:
+                # No output of another system is known when all are asked for theirs at first, and
+                # only then is a tire force 0 without any motion.
+                if len(u) == len(MOTION) or u.any():
+                    raise
+                c = self.c_min
             return np.array([c * u[rate], c])
 
         return control.nlsys(
@@ -388,7 +404,8 @@ class Strategy:
         # CasADi makes a name in C of this one, so it is not that of the file.
         generator = ca.CodeGenerator("damping.c", {"with_header": False})
         generator.add(self.function)
-        file.write_text(generator.dump(), encoding="utf-8")
+        with replacing(str(file)) as handle:
+            handle.write(generator.dump().encode())
         return file
 
 
