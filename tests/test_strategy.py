@@ -163,6 +163,70 @@ def test_the_c_export_is_the_law(name, tmp_path):
     assert found == pytest.approx(expected, rel=1e-12)
 
 
+NAMES = ["my law.c", "a-b.c", "2nd.law.c", "dämpfung ☂.c", "int.c", "with (brackets).c"]
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+@pytest.mark.parametrize("name", NAMES)
+def test_a_c_file_of_any_name_compiles_and_gives_the_same_numbers(name, tmp_path):
+    """CasADi makes names in C of that of its file; a string and a Path do alike."""
+    law = LAWS["continuous skyhook"]
+    for path in (tmp_path / name, str(tmp_path / name)):
+        assert law.to_c(path) == tmp_path / name
+    damping = compiled(tmp_path / name, tmp_path / "law.so", "gcc")
+    v = {"body_velocity": 0.1, "suspension_velocity": 0.2}
+    found = damping(np.array([v.get(signal, 0.0) for signal in SIGNALS]), [*law.gains.values()])
+    assert found == float(law.command(**v)) == 15e3
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
+def test_in_c_a_large_command_is_clipped_and_what_is_no_number_stays_so(tmp_path):
+    law = Strategy("own", lambda s, g: (5e3 + s.body_velocity) / s.speed, SOFT, STIFF)
+    damping = compiled(law.to_c(tmp_path / "own.c"), tmp_path / "own.so", "cc")
+    signals = np.zeros(len(SIGNALS))
+    for speed, body_velocity, expected in (
+        (1e-9, 0.0, STIFF), (-1e-9, 0.0, SOFT), (0.0, 0.0, np.inf), (0.0, -5e3, np.nan)
+    ):  # fmt: skip
+        signals[SIGNALS.index("speed")] = speed
+        signals[SIGNALS.index("body_velocity")] = body_velocity
+        assert damping(signals, []) == pytest.approx(expected, nan_ok=True)
+
+
+def compiled(source, library, compiler):
+    """The function of an exported file, of signals and gains."""
+    subprocess.run([compiler, "-O1", "-shared", "-fPIC", source, "-o", library, "-lm"], check=True)
+    function = ctypes.CDLL(str(library)).damping
+    doubles = ctypes.POINTER(ctypes.c_double)
+
+    def damping(signals, gains):
+        given = [(ctypes.c_double * (len(values) + 1))(*values) for values in (signals, gains)]
+        out = (ctypes.c_double * 1)()
+        arguments = (doubles * 2)(*(ctypes.cast(values, doubles) for values in given))
+        results = (doubles * 1)(ctypes.cast(out, doubles))
+        function(arguments, results, None, (ctypes.c_double * 1000)(), 0)
+        return out[0]
+
+    return damping
+
+
+@pytest.mark.parametrize(
+    ("path", "error", "message"),
+    [
+        ("law.txt", ValueError, r"path must end in \.c, got 'law.txt'"),
+        (".c", ValueError, r"path must end in \.c"),
+        (3, TypeError, "path must be a string or Path, got 3"),
+        ("missing/law.c", FileNotFoundError, "missing/law.c"),
+        ("folder.c", IsADirectoryError, "folder.c"),
+    ],
+)
+def test_a_path_that_takes_no_c_file_is_named(path, error, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder.c").mkdir()
+    with pytest.raises(error, match=message):
+        LAWS["skyhook"].to_c(path)
+    assert [file.name for file in tmp_path.iterdir()] == ["folder.c"]
+
+
 # What is refused
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from numbers import Real
+from typing import Any
 
 import numpy as np
 
@@ -64,8 +66,9 @@ lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
             )
         check.positive("sample_time", self.sample_time, unit="s")
         check.not_negative("lag", self.lag, unit="s")
-        if not self.max_force > 0:
-            raise ValueError(f"max_force must be above 0 [N], got {self.max_force}")
+        limit: Any = self.max_force
+        if not (isinstance(limit, Real) and limit == np.inf):
+            check.positive("max_force", limit, unit="N")
         check.not_negative("velocity_noise", self.velocity_noise, unit="m/s")
         check.integer("seed", self.seed, at_least=0)
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
 
-from .strategy import SIGNALS, Strategy, no_nan
+from .strategy import SIGNALS, Strategy, numbers
 
 Operation = Callable[..., Any]
 
@@ -140,13 +140,13 @@ class BatchLaw:
         Raises
         ------
         ValueError
-            If the law returns NaN.
+            If the law returns NaN or infinity.
         """
         shape = np.broadcast_shapes(*(np.shape(value) for value in signals.values()))
         if self.steps is None:
             return self._one_by_one(signals, shape)
         with np.errstate(all="ignore"):  # a branch that is not taken may divide by zero
-            return no_nan(self.name, self._together(self.steps, signals, shape, sample))
+            return numbers(self.name, self._together(self.steps, signals, shape, sample))
 
     def _together(
         self,

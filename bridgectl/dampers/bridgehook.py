@@ -34,8 +34,10 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.beam import Beam
+from bridgectl.crossing import Crossing
 from bridgectl.quarter_car import QuarterCar
 
+from .actuator import bare_vehicle
 from .costate import REACH, Costate, costate
 from .peak_value import PeakValue, peak_value
 from .strategy import Strategy
@@ -86,7 +88,11 @@ lag=0 s)
         feedback: bool = True,
         lag: float = 0.0,
     ) -> None:
-        self.beam, self.vehicle, self.section, self.feedback = beam, vehicle, section, feedback
+        # The crossing checks beam, vehicle and section.
+        self.section = Crossing(beam, bare_vehicle(vehicle), 1.0, section).section
+        if not isinstance(feedback, bool | np.bool_):
+            raise TypeError(f"feedback must be True or False, got {feedback!r}")
+        self.beam, self.vehicle, self.feedback = beam, vehicle, bool(feedback)
         self.lag = check.not_negative("lag", lag, unit="s")
         self.laws: dict[float, Strategy] = {}
         super().__init__("bridgehook", self._untold, c_min, c_max)
@@ -113,10 +119,16 @@ lag=0 s)
         Returns
         -------
         Strategy
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `speed` is not above 0 m/s.
         """
-        if speed not in self.laws:
-            self.laws[speed] = self._made(speed)
-        return self.laws[speed]
+        c = check.positive("speed", speed, unit="m/s")
+        if c not in self.laws:
+            self.laws[c] = self._made(c)
+        return self.laws[c]
 
     def _made(self, speed: float) -> Strategy:
         case = self.beam, self.vehicle, speed
@@ -142,7 +154,7 @@ lag=0 s)
         TypeError, ValueError
             If `speed` is not above 0 m/s.
         """
-        return self.for_speed(check.positive("speed", speed, unit="m/s")).system(speed)
+        return self.for_speed(speed).system(speed)
 
     def command(self, **signals: ArrayLike) -> FloatArray:
         """Evaluate the command at one speed, one of the signals: see `Strategy.command`.
@@ -162,11 +174,11 @@ lag=0 s)
         ValueError
             If `speed` is not a number above 0 [m/s].
         """
-        if np.ndim(signals.get("speed", ())) != 0:
+        speed: Any = signals.get("speed", ())
+        if np.ndim(speed) != 0:
             raise ValueError(
                 "bridgehook has a law for each speed: type for example command(speed=25.0, ...)"
             )
-        speed = check.positive("speed", signals["speed"], unit="m/s")
         return self.for_speed(speed).command(**signals)
 
     def to_c(self, path: str | Path) -> Path:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.propagator import SAME_PLACE
 from bridgectl.quarter_car import QuarterCar
+from bridgectl.road.limits import require_gentle
 
 from .actuator import Damper, as_damper, bare_vehicle
 from .loop import RECORDED, Loop
@@ -49,7 +52,7 @@ def simulate_loop(
         Stations of the roads [m], the first where the vehicle starts in equilibrium, the last at
         the end of the bridge or beyond it.
     elevations : array_like, shape (n,) or (n_roads, n)
-        Elevations of the roads there [m], positive up.
+        Elevations of the roads there [m], positive up, nowhere steeper than 1 m/m.
     record : iterable of str, optional
         Histories to keep: 'tire_force' [N], 'body_acceleration' [m/s^2], ..., 'damping' [N s/m].
 
@@ -60,7 +63,7 @@ def simulate_loop(
     Raises
     ------
     TypeError, ValueError
-        If an argument is not what is described above, or a law returns NaN.
+        If an argument is not what is described above, or a law returns NaN or infinity.
 
     Examples
     --------
@@ -72,12 +75,22 @@ def simulate_loop(
     >>> bool(abs(result.daf[0, 0] - bc.daf(bc.li2006.beam(), bc.li2006.car(), 30.0)[0]) < 1e-5)
     True
     """
-    bare = bare_vehicle(vehicle)
+    crossing = Crossing(beam, bare_vehicle(vehicle), 1.0, section, recovery)
     device = as_damper(damper)
     c = check.speeds(speeds)
+    x, z = _roads(beam, stations, elevations)
+    names = _names(record)
+    order = np.argsort(c, kind="stable")
+    return Loop(crossing, device, c[order], x, z, names).run().of_speeds(np.argsort(order))
+
+
+def _roads(beam: Beam, stations: ArrayLike, elevations: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Stations [m], shape (n,), and elevations of roads there [m], shape (n_roads, n)."""
     x = check.array("stations", stations, (None,), unit="m")
-    z = np.atleast_2d(np.asarray(elevations, dtype=np.float64))
-    if z.ndim != 2 or z.shape[1] != x.size or x.size < 2:
+    with suppress(ValueError):  # rows of different lengths, which the check tells of
+        elevations = np.atleast_2d(elevations)
+    z = check.array("elevations", elevations, (None, None), unit="m")
+    if z.shape[1] != x.size or z.size == 0 or x.size < 2:
         raise ValueError(
             f"elevations must have one value for each of the {x.size} stations, got {z.shape}"
         )
@@ -85,11 +98,24 @@ def simulate_loop(
         raise ValueError(
             f"stations must increase from 0 m or less to the end of the bridge, {beam.length:g} m"
         )
-    names = tuple(record)
+    for k, road in enumerate(z):
+        try:
+            require_gentle(x, road)
+        except ValueError as error:
+            raise ValueError(f"elevations of road {k}: {error}") from None
+    return x, z
+
+
+def _names(record: Iterable[str]) -> tuple[str, ...]:
+    """Histories to keep."""
+    names = (record,) if isinstance(record, str) or not isinstance(record, Iterable) else (*record,)
+    if names == (record,) or not all(isinstance(name, str) for name in names):
+        raise TypeError(
+            f"record must be a list of names, got {record!r:.60}: type for example "
+            'record=["tire_force"]'
+        )
     if unknown := set(names) - set(RECORDED):
         raise ValueError(
             f"record has an unknown name, {sorted(unknown)[0]!r}, known: {', '.join(RECORDED)}"
         )
-    crossing = Crossing(beam, bare, 1.0, section, recovery)
-    order = np.argsort(c, kind="stable")
-    return Loop(crossing, device, c[order], x, z, names).run().of_speeds(np.argsort(order))
+    return names

@@ -9,9 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from copy import copy
-from functools import cached_property
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
@@ -21,7 +19,10 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._files import replacing
 from bridgectl.crossing import Crossing
+
+from .expression import law_function, warn_of_slips
 
 SIGNALS = (
     "body_velocity",
@@ -42,9 +43,6 @@ Displacements are positive downward, the suspension's are body minus axle, as in
 rate of the tire force is its change since the last sample over the sample time (0 at the first).
 """
 
-LARGEST = 1e12
-"""A command [N s/m] beyond it is no number of a damper but a division by zero."""
-
 CROSSING_OUTPUTS = {
     "body_velocity": "y_s_dot",
     "axle_velocity": "y_t_dot",
@@ -55,6 +53,12 @@ CROSSING_OUTPUTS = {
     "tire_force": "tire_force",
 }
 """Outputs of `bridgectl.crossing_system` that the measured signals are."""
+
+MOTION = ("body_velocity", "axle_velocity", "suspension_travel", "suspension_velocity")
+"""Inputs of every block."""
+
+SAMPLED = ("body_acceleration", "axle_acceleration", "tire_force_rate")
+"""Signals that there are but for a controller that samples: see `Strategy.system`."""
 
 Law = Callable[[Any, Any], Any]
 """From signals and gains, by name as attributes, to the command c [N s/m], in CasADi operations."""
@@ -73,7 +77,8 @@ class Strategy:
     law : callable
         ``law(s, g)`` returns the command c [N s/m]. ``s`` has the signals of
         `bridgectl.dampers.SIGNALS` as attributes, ``g`` the gains, and ``c_min``, ``c_max``. What
-        it returns is kept within [c_min, c_max].
+        it returns is kept within [c_min, c_max]; NaN and infinity are errors when they occur. It
+        is called once, with CasADi expressions: see the errors for what Python does not do to them.
     c_min, c_max : float
         Bounds of the damping [N s/m].
     gains : mapping, optional
@@ -83,7 +88,15 @@ class Strategy:
     ------
     TypeError, ValueError
         If a bound, a gain or the law is not what is described above: bounds reversed, a gain
-        outside its bounds, a signal or gain that the law names and that is unknown.
+        outside its bounds, a signal or gain that the law names and that is unknown, a law that
+        takes its signals for numbers (by `if`, `and`, `max`, `math.sqrt`, `float`, ...), that fails
+        or that does not return one number or expression.
+
+    Warns
+    -----
+    UserWarning
+        If what the law returns changes its sign with the motion, as a force does, or is a hundred
+        times below `c_min` or above `c_max`, as in kN s/m.
 
     Examples
     --------
@@ -112,9 +125,13 @@ class Strategy:
             raise TypeError(f"law must be a function law(s, g), got {type(law).__name__}")
         self.name, self.law = _name(name), law
         self.c_min, self.c_max = damping_bounds(c_min, c_max)
-        self.bounds = {key: _gain(key, value) for key, value in (gains or {}).items()}
+        self.bounds = _bounds({} if gains is None else gains)
         self.gains = {key: value[0] for key, value in self.bounds.items()}
-        _ = self.function  # so that a law that cannot be built speaks here
+        limits = {"c_min": self.c_min, "c_max": self.c_max}
+        free = law_function(self.name, law, SIGNALS, [*self.gains], **limits)
+        warn_of_slips(self.name, free, SIGNALS, np.array([*self.gains.values()]), **limits)
+        # Of signals and gains, columns in their orders; name, law, bounds and this belong together.
+        self.function = _within(free, self.c_min, self.c_max)
 
     def __repr__(self) -> str:
         gains = "".join(f", {key}={value:g}" for key, value in self.gains.items())
@@ -207,30 +224,6 @@ class Strategy:
         """
         return {}
 
-    @cached_property
-    def function(self) -> ca.Function:
-        """The law as a CasADi function of signals and gains (columns, in their orders)."""
-        signals, gains = ca.SX.sym("s", len(SIGNALS)), ca.SX.sym("g", len(self.gains))
-        named = SimpleNamespace(**dict(zip(SIGNALS, ca.vertsplit(signals), strict=True)))
-        values = dict(zip(self.gains, ca.vertsplit(gains), strict=True)) if self.gains else {}
-        command: Any
-        try:
-            command = self.law(named, SimpleNamespace(c_min=self.c_min, c_max=self.c_max, **values))
-        except AttributeError as error:
-            known = (
-                f"signals: {', '.join(SIGNALS)}; gains: {', '.join(['c_min', 'c_max', *values])}"
-            )
-            raise ValueError(
-                f"the law of {self.name} uses an unknown name ({error}); {known}"
-            ) from None
-        command = ca.SX(command)
-        if command.shape != (1, 1):
-            raise ValueError(f"the law of {self.name} must return one number, got {command.shape}")
-        # fmin and fmax would make a bound of a NaN, or of what a division by 0 gives: that is told.
-        within: Any = ca.fmin(ca.fmax(command, self.c_min), self.c_max)
-        command = ca.if_else(ca.fabs(command) < LARGEST, within, np.nan)
-        return ca.Function("damping", [signals, gains], [command], ["signals", "gains"], ["c"])
-
     def command(self, **signals: ArrayLike) -> FloatArray:
         """Evaluate the command for arrays of signals.
 
@@ -247,18 +240,32 @@ class Strategy:
 
         Raises
         ------
-        ValueError
-            If a signal is unknown, or the law returns NaN.
+        TypeError, ValueError
+            If a signal is unknown or not finite numbers, or the law returns NaN or infinity.
         """
         if unknown := set(signals) - set(SIGNALS):
             raise ValueError(f"unknown signal {sorted(unknown)[0]!r}, known: {', '.join(SIGNALS)}")
-        arrays: list[Any] = [np.asarray(value, dtype=float) for value in signals.values()]
-        given: Any = np.broadcast_arrays(*arrays)
+        arrays = {name: self._measured(name, value) for name, value in signals.items()}
+        try:
+            given: Any = np.broadcast_arrays(*arrays.values())
+        except ValueError:
+            shapes = ", ".join(f"{name} {value.shape}" for name, value in arrays.items())
+            raise ValueError(f"signals must have shapes that broadcast, got {shapes}") from None
         shape = given[0].shape if arrays else ()
         rows = np.zeros((len(SIGNALS), int(np.prod(shape))))
         for name, values in zip(signals, given, strict=True):
             rows[SIGNALS.index(name)] = values.ravel()
         return self.evaluate(rows).reshape(shape)
+
+    def _measured(self, name: str, value: ArrayLike) -> FloatArray:
+        try:
+            shape = np.shape(value)
+        except ValueError:  # rows of different lengths, which the check tells of
+            shape = ()
+        try:
+            return check.array(name, value, shape)
+        except ValueError as error:
+            raise ValueError(f"{error}: from that {self.name} returned NaN") from None
 
     def evaluate(self, rows: FloatArray, gains: FloatArray | None = None) -> FloatArray:
         """Evaluate the command by CasADi, case by case.
@@ -277,13 +284,18 @@ class Strategy:
 
         Raises
         ------
-        ValueError
-            If the law returns NaN.
+        TypeError, ValueError
+            If an argument is not what is described above, or the law returns NaN or infinity.
         """
-        if gains is None:
-            gains = np.tile([[value] for value in self.gains.values()], (1, rows.shape[1]))
-        command: Any = self.function.map(rows.shape[1])(rows, gains)
-        return no_nan(self.name, command.full().ravel())
+        signals = check.array("rows", rows, (len(SIGNALS), None))
+        own = [[value] for value in self.gains.values()]
+        count = signals.shape[1]
+        if count == 0:
+            return np.zeros(0)
+        shape = len(own), count
+        each = np.tile(own, count) if gains is None else check.array("gains", gains, shape)
+        command: Any = self.function.map(count)(signals, each)
+        return numbers(self.name, command.full().ravel())
 
     def system(self, speed: float) -> control.NonlinearIOSystem:
         """Return the strategy as an I/O block for `control.interconnect` with a crossing.
@@ -296,50 +308,81 @@ class Strategy:
         Returns
         -------
         control.NonlinearIOSystem
-            Inputs as the crossing's outputs ('y_s_dot', 'suspension_velocity', ...), outputs
-            'damper_force' [N] and 'damping' [N s/m], evaluated without delay. The crossing's own
-            vehicle must have damping 0, and no acceleration or tire force may be measured: those
-            depend on the damper force itself.
+            Inputs as the crossing's outputs ('y_s_dot', 'suspension_velocity', ..., 'tire_force' if
+            the law measures it), outputs 'damper_force' [N] and 'damping' [N s/m], evaluated
+            without delay. The crossing's own vehicle must have damping 0. It is called as the
+            strategy is, with '_' for '.', which no system may have in its name.
 
         Raises
         ------
         TypeError, ValueError
-            If `speed` is not above 0 m/s, or the law measures an acceleration or a tire force.
+            If `speed` is not above 0 m/s, or the law measures an acceleration, which the damper
+            force changes at once, or the rate of the tire force, a change since the last sample:
+            those need a sample time, as `simulate_loop` has it.
+
+        Examples
+        --------
+        Clipped optimal damping in the loop:
+
+        >>> import dataclasses
+        >>> import control as ct
+        >>> import bridgectl as bc
+        >>> from bridgectl.dampers import clipped_lqr
+        >>> law = clipped_lqr(bc.li2006.car(), 1e3, 30e3).system(25.0)
+        >>> bare = dataclasses.replace(bc.li2006.car(), damping=0.0)
+        >>> crossing = bc.crossing_system(bc.li2006.beam(), bare, 25.0)
+        >>> loop = ct.interconnect(
+        ...     [crossing, law], inputs=["road"], outputs=["moment", "damping"], check_unused=False)
+        >>> loop.nstates
+        10
         """
         velocity = check.positive("speed", speed, unit="m/s")
-        measured = ("body_velocity", "axle_velocity", "suspension_travel", "suspension_velocity")
-        loops = set(self.used) - {*measured, "position", "speed"}
-        if loops:
+        if loops := [name for name in self.used if name in SAMPLED]:
             raise ValueError(
-                f"{self.name} measures {sorted(loops)[0]}, which the damper force changes at once: "
-                "simulate it with a sample time"
+                f"{self.name} measures {' and '.join(loops)}, which the damper force changes at "
+                "once or which is a change since the last sample: it has no block without delay, "
+                "simulate it with a sample time by daf(..., damper=Damper(law, sample_time=2e-3)) "
+                "or simulate_loop"
             )
-        rate = measured.index("suspension_velocity")
+        measured = [*MOTION, *({"tire_force"} & {*self.used})]
+        places = [SIGNALS.index(name) for name in (*measured, "position", "speed")]
+        rate, row = MOTION.index("suspension_velocity"), np.zeros((len(SIGNALS), 1))
 
         def output(t: float, x: FloatArray, u: FloatArray, p: dict[str, Any]) -> FloatArray:
-            signals = dict(zip(measured, u, strict=True))
-            c = float(self.command(**signals, position=velocity * t, speed=velocity))
+            row[places, 0] = *u, velocity * t, velocity
+            try:
+                c = float(self.evaluate(row)[0])
+            except ValueError:
+                # No output of another system is known when all are asked for theirs at first, and
+                # only then is a tire force 0 without any motion.
+                if len(u) == len(MOTION) or u.any():
+                    raise
+                c = self.c_min
             return np.array([c * u[rate], c])
 
         return control.nlsys(
             None, output, inputs=[CROSSING_OUTPUTS[name] for name in measured],
-            outputs=["damper_force", "damping"], name=self.name,
+            outputs=["damper_force", "damping"],
+            name=self.name.replace(".", "_").lstrip("-") or "damper",
         )  # fmt: skip
 
     @property
     def used(self) -> list[str]:
-        """Signals that the command depends on."""
-        signals, gains = ca.SX.sym("s", len(SIGNALS)), ca.SX.sym("g", len(self.gains))
-        depends = ca.which_depends(self.function(signals, gains), signals, 1, False)
+        """Signals that the command depends on, with the gains as they are."""
+        signals = ca.SX.sym("s", len(SIGNALS))
+        command = self.function(signals, ca.DM([*self.gains.values()]))
+        depends = ca.which_depends(command, signals, 1, False)
         return [name for name, matters in zip(SIGNALS, depends, strict=True) if matters]
 
     def to_c(self, path: str | Path) -> Path:
         """Write the law as a C file with the function ``damping(signals, gains) -> c``.
 
+        What is no finite number the function returns as it is: NaN or infinity.
+
         Parameters
         ----------
         path : str or Path
-            A name ending in .c.
+            A name ending in .c, in a folder that exists.
 
         Returns
         -------
@@ -348,15 +391,21 @@ class Strategy:
 
         Raises
         ------
-        ValueError
-            If the name does not end in .c.
+        TypeError, ValueError
+            If it is not a path, or does not end in .c.
+        OSError
+            If the file cannot be written.
         """
+        if not isinstance(path, str | Path):
+            raise TypeError(f"path must be a string or Path, got {path!r}: type path='damping.c'")
         file = Path(path)
         if file.suffix != ".c":
             raise ValueError(f"path must end in .c, got {str(path)!r}: type path='damping.c'")
-        generator = ca.CodeGenerator(file.name, {"with_header": False})
+        # CasADi makes a name in C of this one, so it is not that of the file.
+        generator = ca.CodeGenerator("damping.c", {"with_header": False})
         generator.add(self.function)
-        file.write_text(generator.dump(), encoding="utf-8")
+        with replacing(str(file)) as handle:
+            handle.write(generator.dump().encode())
         return file
 
 
@@ -371,20 +420,45 @@ def damping_bounds(c_min: float, c_max: float) -> tuple[float, float]:
     return soft, stiff
 
 
-def no_nan(name: str, command: FloatArray) -> FloatArray:
-    """Return the commands of a law, if all are numbers."""
-    if np.isnan(command).any():
+def numbers(name: str, command: FloatArray) -> FloatArray:
+    """Return the commands of a law, if all are finite numbers."""
+    if not np.isfinite(command).all():
+        what = "NaN" if np.isnan(command).any() else "infinity, a division by 0"
         raise ValueError(
-            f"the law of {name} returned NaN: guard divisions, for example by "
+            f"the law of {name} returned {what}: guard divisions, for example by "
             "ca.if_else(ca.fabs(s.suspension_velocity) < 1e-6, ...)"
         )
     return command
+
+
+def _within(law: ca.Function, c_min: float, c_max: float) -> ca.Function:
+    """Return a law kept within bounds: the CasADi function "damping" of signals and gains."""
+    signals, gains = law.sx_in()
+    command: Any = law(signals, gains)
+    # fmin and fmax would make a bound of NaN, and of what a division by 0 gives: those are told.
+    kept = ca.if_else(ca.fabs(command) < np.inf, ca.fmin(ca.fmax(command, c_min), c_max), command)
+    return ca.Function("damping", [signals, gains], [kept], ["signals", "gains"], ["c"])
 
 
 def _name(name: Any) -> str:
     if not isinstance(name, str) or not name:
         raise TypeError(f'name must be a string, got {name!r}: type for example "skyhook"')
     return name
+
+
+def _bounds(gains: Any) -> dict[str, tuple[float, float, float]]:
+    """Check the gains of a strategy and their bounds."""
+    if not isinstance(gains, Mapping):
+        raise TypeError(
+            f'gains must be a mapping, got {gains!r}: type for example {{"share": (0.5, 0.0, 1.0)}}'
+        )
+    for key in gains:
+        if not isinstance(key, str) or not key.isidentifier() or key in ("c_min", "c_max"):
+            raise ValueError(
+                f"a gain cannot be called {key!r}: type a word that a law can use as g.word, other "
+                "than c_min and c_max"
+            )
+    return {key: _gain(key, value) for key, value in gains.items()}
 
 
 def _gain(name: str, value: Any) -> tuple[float, float, float]:

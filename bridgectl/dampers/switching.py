@@ -35,8 +35,7 @@ def damping_for(force: Any, s: Any, g: Any) -> Any:
     """Return the damping [N s/m] that comes closest to a wanted damper force [N].
 
     It is F / v within [c_min, c_max], and c_min where |v| is not beyond the dead band. Which bound
-    holds is seen from the forces: a quotient by a small v may grow beyond what `Strategy` takes
-    for a number.
+    holds is seen from the forces: a quotient by a small v may grow beyond all numbers.
     """
     v = s.suspension_velocity
     still = ca.fabs(v) <= g.dead_band
