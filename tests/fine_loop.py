@@ -14,9 +14,16 @@ from scipy.integrate import solve_ivp
 
 G = 9.81
 
+MAX_STEP = {False: 5e-4, True: 5e-5}
+"""Longest step [s], without and with a force limit: within one, no tire may leave the road and meet
+it again unseen, nor may the damper's force pass from one limit to the other."""
+
 
 class FineLoop:
-    """One crossing: `peak` is its DAF, `least` the least tire force over the static load."""
+    """One crossing: `peak` is its DAF, `least` the least tire force over the static load.
+
+    `largest` is the largest tire force [N], `commands` are those of all samples [N s/m].
+    """
 
     def __init__(self, beam, car, damper, speed, road, tolerance=1e-9):
         self.beam, self.car, self.damper, self.speed, self.road = beam, car, damper, speed, road
@@ -27,7 +34,7 @@ class FineLoop:
         self.omega2 = self.wave**4 * beam.flexural_rigidity / beam.mass_per_length
         self.damped = 2 * beam.damping_ratio * np.sqrt(self.omega2[0])
         self.weight = (car.sprung_mass + car.unsprung_mass) * G
-        self.peak, self.least, self.commands = 0.0, 1.0, []
+        self.peak, self.least, self.largest, self.commands = 0.0, 1.0, 0.0, []
         self._run()
 
     def _shapes(self, x):
@@ -130,14 +137,16 @@ class FineLoop:
             meets.terminal, meets.direction = True, -1
             events = [turns] if limit == np.inf else [turns, meets]
             found = solve_ivp(
-                lambda t, y, R=tire, F=force: self._rates(t, y, R(t, y), F(t, y)), (begin, stop), y,
-                method="DOP853", rtol=self.tolerance, atol=self.tolerance * 1e-4, events=events,
-                dense_output=True, first_step=(stop - begin) / 2,
+                lambda t, y, tire=tire, force=force: self._rates(t, y, tire(t, y), force(t, y)),
+                (begin, stop), y, method="DOP853", rtol=self.tolerance,
+                atol=self.tolerance * 1e-4, events=events, dense_output=True,
+                max_step=MAX_STEP[limit < np.inf],
             )  # fmt: skip
             t = np.linspace(begin, found.t[-1], 201)
             states = found.sol(t)
             tires = np.maximum(self._would_be(t, states), 0.0) * touching
             self.least = min(self.least, tires.min() / self.weight)
+            self.largest = max(self.largest, tires.max())
             if t[0] >= -1e-12:
                 moment = self._moment(t, states, tires)
                 self.peak = max(self.peak, moment.max())
@@ -147,4 +156,3 @@ class FineLoop:
                 held = 0.0 if held else np.sign(wanted(found.t[-1], found.y[:, -1]))
             begin, y = found.t[-1], found.y[:, -1]
         return y
-

@@ -84,10 +84,11 @@ class Regime(NamedTuple):
         side = np.where(self.touching, 1.0, -1.0)
         found = [first_sign_change(TIRE_NODES, side * tire), np.full(len(tire), np.inf)]
         if limit < np.inf:
-            inside = np.where(
-                self.limited == 0, limit - np.abs(damper), self.limited * damper - limit
-            )
-            found[1] = first_sign_change(DAMPER_NODES, inside)
+            # Of a free force both limits: their lesser would have a kink where the force is zero.
+            held = self.limited != 0
+            below = np.where(held, self.limited * damper - limit, limit - damper)
+            above = np.where(held, below, limit + damper)
+            found[1] = np.minimum(*(first_sign_change(DAMPER_NODES, m) for m in (below, above)))
         return np.stack(found, axis=1)
 
     def after(self, event: NDArray[np.bool_], damper: FloatArray) -> Regime:
@@ -97,8 +98,11 @@ class Regime(NamedTuple):
 
 
 def first_sign_change(nodes: FloatArray, margins: FloatArray) -> FloatArray:
-    """Where in [0, 1] the cubics through margins (n, 4) first fall below 0, else infinity."""
-    late = margins < 0
+    """Where in [0, 1] the cubics through margins (n, 4) first fall below 0, else infinity.
+
+    At 0 a margin is that after the event before, and its sign is round-off.
+    """
+    late = (margins < 0) & (nodes > 0)
     first = np.argmax(late, axis=1)
     high = np.where(late.any(axis=1), nodes[first], 1.0)
     low = np.where(first > 0, nodes[first - 1], 0.0)

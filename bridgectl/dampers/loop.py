@@ -29,6 +29,7 @@ from .steps import (
     longest_step,
     make_plan,
     make_steps,
+    times_within,
 )
 from .strategy import SIGNALS
 
@@ -65,7 +66,8 @@ class Loop:
         longest = min(longest_step(crossing, damper.strategy.c_max), damper.sample_time)
         self.responses = Responses(crossing, longest)
         self.stepper = Stepper(crossing, damper, speeds, stations, self.drops, self.responses)
-        self.plan: Plan = make_plan(crossing, speeds, stations, damper.sample_time, longest)
+        parts = times_within(damper.sample_time, longest, damper.lag)
+        self.plan: Plan = make_plan(crossing, speeds, stations, damper.sample_time, parts)
         gains = damper.strategy.gains_for(crossing, speeds, stations, elevations)
         every = np.full(len(elevations), stations[0])
         # What is set once for each crossing, or its noise, differs between roads from the start.

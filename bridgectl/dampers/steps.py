@@ -35,6 +35,12 @@ POINTS = np.array([*STAGES, 0.5, 1.0])
 MAX_PHASE = 0.1
 """Largest advance of phase of the vehicle's fastest motion in a step [rad]."""
 
+MAX_LAG = 0.5
+"""Largest step after a sample, over the lag of the damping, which then changes fastest."""
+
+FORGOTTEN = 5.0
+"""Lags after which a change of the damping is over, as far as steps are concerned."""
+
 BODY, AXLE = 1, 3
 """Places of y_s' and y_t' among a quarter-car's states; each displacement is before its rate."""
 
@@ -81,8 +87,27 @@ def longest_step(crossing: Crossing, c_max: float) -> float:
     return float(MAX_PHASE / np.abs(np.linalg.eigvals(stiffest)).max())
 
 
+def times_within(sample_time: float, longest: float, lag: float) -> FloatArray:
+    """Times after a sample at which a step ends [s], for a lag of the damping [s].
+
+    A step's error goes with the fourth power of its length, and with how fast the damping changes,
+    which fades: steps grow as it does.
+    """
+    times, last = [], 0.0
+    while lag and last < FORGOTTEN * lag:
+        last += min(longest, MAX_LAG * lag * np.exp(last / lag / 4))
+        times.append(last)
+    rest = last + longest * np.arange(lag == 0, np.ceil((sample_time - last) / longest))
+    every = np.array([*times[:-1], *rest])
+    return every[every < sample_time]
+
+
 def make_plan(
-    crossing: Crossing, speeds: FloatArray, stations: FloatArray, sample_time: float, longest: float
+    crossing: Crossing,
+    speeds: FloatArray,
+    stations: FloatArray,
+    sample_time: float,
+    parts: FloatArray,
 ) -> Plan:
     """Cut the way from the first to the last station into rounds and steps.
 
@@ -94,12 +119,13 @@ def make_plan(
         Speeds [m/s], rising.
     stations : ndarray
         Stations of the road [m].
-    sample_time, longest : float
-        Duration of a round, longest duration of a step [s].
+    sample_time : float
+        Duration of a round [s].
+    parts : ndarray
+        Times within a round at which a step ends [s]: see `times_within`.
     """
     start, stop, span = stations[0], stations[-1], crossing.beam.length
     places = np.unique([*stations, 0.0, crossing.section * span, span])
-    parts = np.arange(1, np.ceil(sample_time / longest)) * longest
     lengths = speeds * sample_time
     entries = np.floor(-start / lengths + SAME_PLACE).astype(np.intp)
     counts = np.ceil((stop - start) / lengths - SAME_PLACE).astype(np.intp)

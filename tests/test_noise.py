@@ -1,0 +1,89 @@
+"""Noise on measured velocities belongs to seed, road and speed, alone or in company."""
+
+import numpy as np
+import pytest
+
+import bridgectl as bc
+from bridgectl.dampers import Damper, passive, simulate_loop, skyhook
+from bridgectl.road import iso8608_elevations
+
+X = -10 + 0.1 * np.arange(351)
+NOISY = Damper(skyhook(1e3, 30e3), velocity_noise=0.05, seed=3)
+SPEEDS = np.array([30.0, 17.0, 25.0, 21.5, 28.0])
+
+
+@pytest.fixture(scope="module")
+def roads():
+    return iso8608_elevations(12, "B", 35, seed=2)
+
+
+@pytest.fixture(scope="module")
+def together(bridge, truck, roads):
+    return simulate_loop(bridge, truck, NOISY, SPEEDS, X, roads).daf
+
+
+def test_a_noisy_crossing_is_the_same_alone_and_in_a_batch(bridge, truck, roads, together):
+    """Sixty crossings: to 1e-12 of the static moment."""
+    for i, speed in enumerate(SPEEDS):
+        for j, road in enumerate(roads):
+            alone = simulate_loop(bridge, truck, NOISY, speed, X, road).daf[0, 0]
+            assert together[i, j] == pytest.approx(alone, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_order_of_a_batch_does_not_matter(bridge, truck, roads, together, seed):
+    rng = np.random.default_rng(seed)
+    speeds, order = rng.permutation(len(SPEEDS)), rng.permutation(len(roads))
+    found = simulate_loop(bridge, truck, NOISY, SPEEDS[speeds], X, roads[order]).daf
+    assert found == pytest.approx(together[np.ix_(speeds, order)], abs=1e-12)
+
+
+def test_a_noisy_crossing_is_the_same_by_every_route(bridge, truck, roads, together):
+    road = bc.RoadProfile(X, roads[4])
+    by_daf = bc.daf(bridge, truck, SPEEDS, road, start=-10, damper=NOISY)
+    assert by_daf == pytest.approx(together[:, 4], abs=1e-12)
+    times = np.linspace(-0.3, 0.8, 50)  # more places of the road are known then
+    response = bc.crossing_response(
+        bridge, truck, 30.0, road, start=-10, damper=NOISY, timepts=times
+    )
+    whole = bc.crossing_response(bridge, truck, 30.0, road, start=-10, damper=NOISY)
+    expected = np.interp(times, whole.time, whole.outputs["deflection"])
+    assert response.outputs["deflection"] == pytest.approx(expected, abs=2e-6)  # [m]
+    board = bc.score([passive(7e3), NOISY], bridge, truck, [road], SPEEDS, approach=10, workers=1)
+    assert board.values["daf"][1, 0] == pytest.approx(together[:, 4], abs=1e-12)
+
+
+def test_two_processes_give_the_scores_of_one(bridge, truck, roads):
+    dampers = [passive(7e3), NOISY, Damper(skyhook(1e3, 20e3).renamed("soft"), velocity_noise=0.1)]
+    profiles = [bc.RoadProfile(X, z) for z in roads[:2]]
+    one, two = (
+        bc.score(dampers, bridge, truck, profiles, SPEEDS[:2], approach=10, workers=n)
+        for n in (1, 2)
+    )
+    for name, values in one.values.items():
+        assert two.values[name] == pytest.approx(values, abs=1e-12)
+
+
+def test_roads_speeds_and_seeds_have_noise_of_their_own(bridge, truck):
+    """On roads that differ by a tenth of a millimetre far ahead, commands differ at once."""
+    bump = np.where(np.abs(X - 20) < 0.05, 1e-4, 0.0)
+
+    def measured(speed, road, **changes):
+        damper = Damper(skyhook(1e3, 30e3), velocity_noise=0.05, **changes)
+        found = simulate_loop(bridge, truck, damper, speed, X, road, record=["body_velocity"])
+        return found.histories[0]["body_velocity"][0, :20]
+
+    first = measured(25.0, 0 * X)
+    assert np.array_equal(first, measured(25.0, 0 * X))
+    for other in (measured(25.0, bump), measured(26.0, 0 * X), measured(25.0, 0 * X, seed=1)):
+        assert np.abs(first - other).max() > 0.02
+    assert np.std(first) == pytest.approx(0.05, rel=0.5)
+
+
+def test_noise_is_white_and_of_its_deviation(bridge, truck):
+    x = np.linspace(0, 200, 5)
+    damper = Damper(passive(7e3), velocity_noise=0.05, max_force=1e9)
+    found = simulate_loop(bridge, truck, damper, 10.0, x, 0 * x, record=["axle_velocity"])
+    noise = found.histories[0]["axle_velocity"][0, -5000:]  # 7.5 s behind the bridge, at rest
+    assert np.std(noise) == pytest.approx(0.05, rel=0.05)
+    assert abs(np.corrcoef(noise[1:], noise[:-1])[0, 1]) < 0.05
