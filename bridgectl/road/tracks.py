@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from bridgectl._checks import FloatArray
 
 from .limits import MAX_SLOPE, first_too_steep
 from .lines import passing, quoted, refusal
+from .missing import Missing, absent, require_no_marker
+from .profile import RoadProfile
 
 UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "ft": 0.3048, "in": 0.0254, "mil": 2.54e-5}
 MAX_GAP = 5.0  # [m]; a straight line over more hides bumps that a vehicle would feel
@@ -35,12 +37,18 @@ class Request:
     columns: tuple[int, ...] | None = None
     delimiter: str | None = None
     step: float | None = None
+    decimal: str | None = None
+    skip_lines: int | None = None
+    missing: Missing | None = None
+    remarks: list[str] = field(default_factory=list)
+    """What the caller is to be warned of, once the file is read."""
 
-    def require_nothing_but_units(self, file: str, kind: str) -> None:
+    def require_nothing_but_units(self, file: str, kind: str, *but: str) -> None:
         """Refuse arguments that only delimited text can need."""
-        names = [n for n in ("columns", "delimiter", "step") if getattr(self, n) is not None]
+        text_only = ("columns", "delimiter", "step", "decimal", "skip_lines", "missing")
+        names = [n for n in text_only if n not in but and getattr(self, n) is not None]
         if names:
-            options = " and ".join(f"{name}= (--{name})" for name in names)
+            options = " and ".join(f"{name}= (--{name.replace('_', '-')})" for name in names)
             raise refusal(file, f"{kind} states this itself: leave out {options}")
 
 
@@ -87,6 +95,47 @@ def listed(labels: Sequence[str], most: int = 20) -> str:
     return ", ".join(words) + (", ..." if len(labels) > most else "")
 
 
+def make_track(
+    file: str,
+    x: FloatArray,
+    z: FloatArray,
+    line: Callable[[int], int],
+    unit: str,
+    remedy: str,
+    name: str,
+    request: Request,
+) -> RoadProfile:
+    """Return a road of stations [m] and elevations in a unit, without missing readings."""
+    missing = request.missing or Missing()
+    if request.missing and (gone := absent(z, missing)).any():
+        kept = np.flatnonzero(~gone)
+        first, all_lines = line(int(np.argmax(gone))), line
+        if kept.size < 2:
+            fault = f"{name}: without the missing readings {kept.size} of {z.size} are left"
+            raise refusal(file, f"{fault}: a road needs two or more", first)
+
+        def line(row: int) -> int:
+            return all_lines(int(kept[row]))
+
+        x, z = x[kept], z[kept]
+        request.remarks.append(_absence(file, name, gone.size - kept.size, first, x))
+        require_no_gap(file, x, line)
+    require_no_marker(file, z, unit, line, missing)
+    z *= UNITS[unit]
+    require_gentle_track(file, x, z, line, unit, remedy)
+    # Checked already, with the line of the file, and copies would double the memory.
+    return RoadProfile._trusted(x, z, name)
+
+
+def _absence(file: str, name: str, n_missing: int, first: int, x: FloatArray) -> str:
+    i = int(np.argmax(np.diff(x)))
+    readings = "1 missing reading" if n_missing == 1 else f"{n_missing} missing readings"
+    return (
+        f"{file}: {name}: {readings} left out, the first on line {first}; the widest gap is now "
+        f"{x[i + 1] - x[i]:.6g} m, after station {x[i]:.10g} m"
+    )
+
+
 def require_gentle_track(
     file: str,
     x: FloatArray,
@@ -123,6 +172,19 @@ def widest_gap(x: FloatArray) -> int | None:
     widest = int(np.argmax(steps))
     too_wide = steps[widest] > max(MAX_GAP, MAX_GAP_STEPS * float(np.median(steps)))
     return widest + 1 if too_wide else None
+
+
+def require_no_gap(file: str, x: FloatArray, line: Callable[[int], int]) -> None:
+    """Refuse stations with a gap too long for a road."""
+    if (i := widest_gap(x)) is None:
+        return
+    raise refusal(
+        file,
+        f"station {x[i]:.10g} m comes {x[i] - x[i - 1]:.6g} m after {x[i - 1]:.10g} m on line "
+        f"{line(i - 1)}, where the median step is {float(np.median(np.diff(x))):.4g} m: correct "
+        "the station, or cut the file here and read the part before or after the gap",
+        line(i),
+    )
 
 
 def even_stations(start: float, step: float, n: int) -> FloatArray:
