@@ -11,11 +11,13 @@ from bridgectl._checks import FloatArray
 
 from .counters import passing_columns, require_elevations
 from .dialect import (
+    CHAINAGE_DIGITS,
     COMMA,
     chainage_digits,
     decimal_mark,
     delimiter_in,
     has_comma_twice,
+    is_numeric,
     is_one_column,
 )
 from .header import (
@@ -74,8 +76,8 @@ def read_delimited(
     width = len(split(first[1], delimiter))
     named, stating = headers(preamble, width, delimiter, request)
     columns = columns_of(request, stating)
-    _require_numbers(file, first, request)
-    _require_columns(file, columns, delimiter, width, first)
+    _require_numbers(file, first, delimiter, request)
+    _require_columns(file, columns, delimiter, width, first, request)
     units = _units(file, columns, stating, request)
     picked = pick([named.label(column) for column in columns.elevations])
     wanted = Columns(columns.station, tuple(columns.elevations[i] for i, _ in picked))
@@ -87,6 +89,8 @@ def read_delimited(
     if request.columns is None and not (request.step is None and states_both(stating, wanted)):
         label = named.label(0) if named.names else None
         require_elevations(file, wanted, table.values, width, request.step, label)
+    if layout.chainage == CHAINAGE_DIGITS["m"]:
+        units = ("m", *units[1:])  # also where "km" tells what stands before the plus
     x = _stations(file, table, request, units)
     return [
         make_track(
@@ -113,20 +117,22 @@ def _delimiter(file: str, rows: Sequence[Line], preamble: Preamble, request: Req
     if request.decimal == COMMA:  # of a line sep=,
         fault = "commas cannot separate columns and be decimal marks"
         raise refusal(file, f'{fault}: pass delimiter=";" (--delimiter ";") or no decimal', line)
-    if request.decimal is None and request.columns is None:
-        names = n_names(preamble.header)
-        stated = bool(make_header(preamble.header, names, COMMA).lengths)
-        if has_comma_twice(rows, names, stated):
-            fault = f"commas may separate columns or be decimal marks in {quoted(text)}"
-            advice = "save the file with semicolons between columns, or with decimal points"
-            remedy = f"{advice}; {passing('columns')} if they separate columns"
-            raise refusal(file, f"{fault}: {remedy}", line)
-        if told is None and request.step is not None and is_one_column(rows) and names != 2:
-            if is_complete(make_header(preamble.header, 1, " "), request):
-                return " "  # for the header is about one column
-            advice = 'pass decimal="," (--decimal ,) or columns=(0,) (--columns 0)'
-            fault = f"{quoted(text)} may be one number with a decimal comma or two"
-            raise refusal(file, f"{fault}: {advice}", line)
+    if request.decimal is not None or request.columns is not None:
+        return delimiter
+    width, names = len(split(text, COMMA)), n_names(preamble.header)
+    if names == width or make_header(preamble.comment, width, COMMA).lengths:
+        return delimiter
+    if has_comma_twice(rows, names, bool(make_header(preamble.header, names, COMMA).lengths)):
+        fault = f"commas may separate columns or be decimal marks in {quoted(text)}"
+        advice = "save the file with semicolons between columns, or with decimal points"
+        remedy = f"{advice}; {passing('columns')} if they separate columns"
+        raise refusal(file, f"{fault}: {remedy}", line)
+    if told is None and request.step is not None and is_one_column(rows):
+        if any(is_complete(make_header(about, 1, " "), request) for about in preamble.above):
+            return " "  # for that is about one column
+        advice = 'pass decimal="," (--decimal ,) or columns=(0,) (--columns 0)'
+        fault = f"{quoted(text)} may be one number with a decimal comma or two"
+        raise refusal(file, f"{fault}: {advice}", line)
     return delimiter
 
 
@@ -148,16 +154,19 @@ def _layout(
     )
 
 
-def _require_numbers(file: str, first: Line, request: Request) -> None:
+def _require_numbers(file: str, first: Line, delimiter: str, request: Request) -> None:
     """Refuse words where the numbers should begin."""
     line, text = first
-    if request.missing is None and not any(c.isdigit() for c in text):
-        fault = "expected a finite number in each column, or their names and units, found "
-        advice = tell_skip_lines(line)
-        raise refusal(file, f"{fault}{quoted(text)}: correct or remove the line, or {advice}", line)
+    words = any(c.isalpha() for c in text) and not any(map(is_numeric, split(text, delimiter)))
+    if words and request.missing is None:
+        fault = "expected a finite number in each column, or their names and units, found"
+        advice = f"correct or remove the line, or {tell_skip_lines(line)}"
+        raise refusal(file, f"{fault} {quoted(text)}: {advice}", line)
 
 
-def _require_columns(file: str, columns: Columns, delimiter: str, width: int, first: Line) -> None:
+def _require_columns(
+    file: str, columns: Columns, delimiter: str, width: int, first: Line, request: Request
+) -> None:
     last = max(*columns.elevations, columns.station or 0)
     if last < width:
         return
@@ -167,7 +176,8 @@ def _require_columns(file: str, columns: Columns, delimiter: str, width: int, fi
     )
     if columns.station is not None:
         missing += ", or step= (--step) if there are no stations"
-    raise refusal(file, wrong_separator(first[1], delimiter) or missing, first[0])
+    other = "" if request.decimal == COMMA else wrong_separator(first[1], delimiter)
+    raise refusal(file, other or missing, first[0])
 
 
 def _units(file: str, columns: Columns, stating: Header, request: Request) -> tuple[str, ...]:

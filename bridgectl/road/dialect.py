@@ -84,8 +84,6 @@ def has_comma_twice(rows: Iterable[Line], n_names: int, with_units: bool) -> boo
     """
     fields = [split(text, COMMA) for _, text in rows]
     width = len(fields[0])
-    if n_names == width:
-        return False
     if with_units and 2 <= n_names < width:
         return all(is_number(word) for word in fields[0])
     whole = all(_WHOLE.fullmatch(word.strip()) for row in fields for word in row)

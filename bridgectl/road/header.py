@@ -71,6 +71,11 @@ class Preamble:
     separator: str | None = None
     """The delimiter that a line ``sep=;`` states."""
 
+    @property
+    def above(self) -> tuple[Line | None, Line | None]:
+        """The lines that may name the columns."""
+        return self.header, self.comment
+
 
 def columns_of(request: Request, stating: Header) -> Columns:
     """Return the columns asked for, or else those that the file gives a unit of length."""
@@ -175,8 +180,7 @@ def headers(
 
     A comment counts only if it states what is needed: it may be about anything.
     """
-    named = make_header(preamble.header, width, delimiter)
-    remark = make_header(preamble.comment, width, delimiter)
+    named, remark = (make_header(line, width, delimiter) for line in preamble.above)
     stating = named
     if not is_complete(named, request) and is_complete(remark, request):
         stating = remark

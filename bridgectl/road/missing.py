@@ -126,8 +126,9 @@ def require_no_marker(
     """Refuse a track in which the marker of a missing reading stands as an elevation."""
     if missing.all_told or (i := marker_in(z)) is None:
         return
-    told = ",".join(f"{number:.12g}" for number in (*missing.numbers, z[i]))
-    argument = f"({told.replace(',', ', ')})" if "," in told else told
+    markers = [*sorted(missing.words), *(f"{value:.12g}" for value in (*missing.numbers, z[i]))]
+    told = ",".join(markers)
+    argument = f'"{told}"' if len(markers) > 1 else told
     raise refusal(
         file,
         f"the elevation {z[i]:.12g} {unit} looks like the marker of a missing reading: pass "

@@ -135,15 +135,18 @@ class Layout:
         for word in [fields[column] for column in self.columns] if whole else [text]:
             if fault := byte_in(word) or (self.comments and whole and odd_mark(word, self.decimal)):
                 return fault
-        if fault := wrong_separator(text, self.delimiter):
+        plain = text.replace(COMMA, POINT) if self.decimal == COMMA else text
+        if fault := wrong_separator(plain, self.delimiter):
             advised = self.comments and fault.endswith("throughout")
             return f"{fault}, or {passing('delimiter')}" if advised else fault
         if len(fields) != self.width:
             return f"expected {self.width} columns, found {len(fields)}: correct or remove the line"
-        column = next(c for i, c in enumerate(self.columns) if not self._holds(fields[c], i))
+        place = next(i for i, c in enumerate(self.columns) if not self._holds(fields[c], i))
+        column = self.columns[place]
         word = fields[column].strip()
         found = quoted(word) if word else "nothing"
-        fault = f"expected a finite number in column {column} (counted from 0), found {found}"
+        what = "chainage" if self.chainage and place < self.stations else "finite number"
+        fault = f"expected a {what} in column {column} (counted from 0), found {found}"
         comment = ", or begin it with # if it is a comment" if self.comments else ""
         return f"{fault}: correct or remove the line{comment}"
 
