@@ -185,8 +185,9 @@ def test_a_gap_of_missing_readings_too_wide_for_a_road_is_refused(tmp_path: Path
     heights[100:201] = [-999] * 101
     path = write(tmp_path, heights, step=0.25)
     assert refusal(path, missing=-999) == (
-        "203: station 50.25 m comes 25.5 m after 24.75 m on line 101, where the median step is 0.25 "
-        "m: correct the station, or cut the file here and read the part before or after the gap"
+        "203: station 50.25 m comes 25.5 m after 24.75 m on line 101, where the median step is "
+        "0.25 m: correct the station, or cut the file here and read the part before or after the "
+        "gap"
     )
     heights[199:201] = [0, 0]
     with pytest.warns(UserWarning, match="99 missing readings left out, .* gap is now 25 m, after"):

@@ -800,7 +800,7 @@ def test_a_packed_file_may_not_unfold_without_end(
     write: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(packed, "FEW_BYTES", 2**20)
-    path = write(gzip.compress(GOOD.encode() + b"\n" * 10**7))
+    path = write(gzip.compress(GOOD.encode() + b"\n" * 2 * 10**6))
     tracemalloc.start()
     message = refusal(path)
     peak = tracemalloc.get_traced_memory()[1]
@@ -952,7 +952,7 @@ def test_a_damaged_file_is_read_or_refused_and_the_fast_path_agrees(
             "missing": st.sampled_from([-9, "nan", "", (0, "e", 1e30)]),
             "skip_lines": st.just(1),
         },
-    ),
+    ).filter(lambda given: not given.get("decimal") == given.get("delimiter") == ","),
 )
 @settings(max_examples=300, deadline=None)
 def test_any_bytes_are_read_or_refused_and_the_fast_path_agrees(
@@ -961,10 +961,7 @@ def test_any_bytes_are_read_or_refused_and_the_fast_path_agrees(
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "road.txt")
         path.write_bytes(data)
-        try:
-            assert_read_or_refused(path, **arguments)
-        except ValueError as error:  # no other argument but these can be wrong
-            assert str(error).startswith("decimal and delimiter are both")
+        assert_read_or_refused(path, **arguments)
 
 
 @pytest.mark.parametrize(

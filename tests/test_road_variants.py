@@ -141,7 +141,7 @@ VARIANTS = {
     ),
     "lines above the header, told": Variant(ABOVE + PLAIN, {"skip_lines": 3}),
     "lines above numbers": Variant(
-        ABOVE + rows(), M_M, error="2: expected a finite number in column 0"
+        ABOVE + rows(), M_M, error="2: expected a finite number in each column, .* skip_lines"
     ),
     "lines above numbers, told": Variant(ABOVE + rows(), {**M_M, "skip_lines": 3}),
     "chainage": Variant("x [m],z [m]\n" + rows(station=chainage)),
