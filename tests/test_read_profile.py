@@ -121,6 +121,11 @@ def test_other_columns_may_hold_anything(write: Write) -> None:
     np.testing.assert_allclose(road.elevation, [0.0, 0.0254, 0.0508], rtol=0, atol=1e-12)
 
 
+def test_a_comment_of_as_many_fields_is_no_line_of_numbers(write: Write) -> None:
+    road = read_profile(write("n,x [m],z [mm]\n1,0,0\n#2,5,5\n3,1,0\n"), columns=(1, 2))
+    assert road.x.tolist() == [0.0, 1.0]
+
+
 def test_blank_lines_comments_and_a_byte_order_mark_are_skipped(write: Write) -> None:
     text = "\ufeff# räum\n\n \t \nx_m\tz_m\t\n0\t0\t\n  # gap\n% gap\n// gap\n\n0.1\t0\t\n0.2\t0\t"
     assert read_profile(write(text)).x.tolist() == [0.0, 0.1, 0.2]

@@ -36,7 +36,8 @@ MARKS = {  # in this order: the mark of UTF-32 begins as that of UTF-16
 # Bytes that are not UTF-8 become U+DC80 to U+DCFF (surrogateescape). Words may hold them, as the
 # letters of Western Windows, a superset of Latin-1; numbers may not.
 _NOT_UTF8 = re.compile("[\udc80-\udcff]")
-_NO_LETTER = re.compile("[\0\udc81\udc8d\udc8f\udc90\udc9d]")
+_CONTROLS = "\0\x1c\x1d\x1e\x1f"  # the latter are blanks to some functions, and not to others
+_NO_LETTER = re.compile(f"[{_CONTROLS}\udc81\udc8d\udc8f\udc90\udc9d]")
 _WINDOWS = {0xDC00 + byte: bytes([byte]).decode("cp1252", "replace") for byte in range(128, 256)}
 
 Line = tuple[int, str]
@@ -120,7 +121,7 @@ def text_lines(file: str, handle: BinaryIO, encoding: str = "utf-8") -> Iterator
     errors = "surrogateescape" if encoding.startswith("utf-8") else "replace"
     with io.TextIOWrapper(handle, encoding=encoding, errors=errors) as text:
         while chunk := read(file, text, CHUNK):
-            plain = chunk.isascii() and "\0" not in chunk
+            plain = chunk.isascii() and not any(mark in chunk for mark in _CONTROLS)
             bad = None if plain else _NO_LETTER.search(chunk)
             found = (rest + (chunk[: bad.start()] if bad else chunk)).split("\n")
             _refuse_long(file, line, found)

@@ -100,6 +100,8 @@ class Layout:
         # Faster than `numbers` and stricter: None wherever the two might disagree.
         if not all(texts) or any(map(str.isspace, texts)) or not all(map(str.isascii, texts)):
             return None
+        if self.comments and 0 not in self.columns and any(map(is_comment, texts)):
+            return None
         try:
             texts = self._plain_texts(texts)
             if self.delimiter == " ":
