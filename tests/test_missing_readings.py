@@ -143,6 +143,17 @@ def test_any_word_or_number_may_mark_a_missing_reading(
         assert read_profile(path, missing=missing).x.tolist() == [0.0, 1.0, 3.0]
 
 
+def test_other_words_than_those_told_are_refused(tmp_path: Path) -> None:
+    path = write(tmp_path, [0, "nan", "abc", 3])
+    assert refusal(path, missing="nan").startswith("4: expected a finite number in column 1")
+
+
+def test_a_marker_is_not_written(tmp_path: Path) -> None:
+    road = RoadProfile(np.arange(9.0), np.array([0, 0, 0, -0.999, 0, 0, 0, 0, 0]))
+    with pytest.raises(ValueError, match=r"read_profile would take the elevation -0\.999 m at 3 m"):
+        bc.write_profile(tmp_path / "road.csv", road)
+
+
 def test_a_missing_station_is_refused_in_any_case(tmp_path: Path) -> None:
     path = tmp_path / "road.csv"
     for marker, line in (("-999", 4), ("9999", 4)):

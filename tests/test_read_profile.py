@@ -666,6 +666,12 @@ def test_a_file_without_stations_and_a_step_is_told_to_pass_one(write: Write) ->
     assert message.endswith("or step= (--step) if there are no stations")
 
 
+def test_a_column_that_does_not_exist_is_refused_with_a_step_too(write: Write) -> None:
+    message = refusal(write("0\n1\n"), units="mm", step=0.25, columns=(3,))
+    assert message.endswith("pass columns= or delimiter= (--columns or --delimiter on the command "
+                            "line)")  # fmt: skip
+
+
 def test_units_with_a_step_are_one(write: Write) -> None:
     path = write("0\n1\n")
     assert refusal(path, units="m,mm", step=0.25) == (
@@ -799,6 +805,39 @@ def test_a_damaged_packed_file_is_refused(write: Write, damage: Callable[[bytes]
     message = refusal(write(damage(gzip.compress(GOOD.encode()))))
     assert message.startswith("the gz file is damaged (")
     assert message.endswith("): copy it again")
+
+
+CRG = f"""$CT
+A road
+$ROAD_CRG
+REFERENCE_LINE_START_U = 0.0
+REFERENCE_LINE_END_U = 4.0
+REFERENCE_LINE_INCREMENT = 1.0
+LONG_SECTION_V_RIGHT = -0.5
+LONG_SECTION_V_LEFT = 0.5
+LONG_SECTION_V_INCREMENT = 1.0
+$!
+$KD_Definition
+#:LRFI
+D:long section 1,m
+D:long section 2,m
+$!
+{"$$$$$$$$10$$$$$$$$20$$$$$$$$30$$$$$$$$40$$$$$$$$50$$$$$$$$60$$$$$$$$70$$$$$$$$80"}
+""" + "".join(f" 0.00{i}0000 0.0100000\n" for i in range(5))
+
+
+def test_a_packed_open_crg_file_is_read_and_refused_by_its_own_name(tmp_path: Path) -> None:
+    pytest.importorskip("pyopencrg")
+    path = tmp_path / "road.crg.gz"
+    path.write_bytes(gzip.compress(CRG.encode()))
+    right, left = read_tracks(path)
+    assert [right.name, left.name] == ["road v=-0.5", "road v=0.5"]
+    assert right.elevation == pytest.approx(1e-3 * np.arange(5), abs=1e-12)
+    assert refusal(path, missing=-999).startswith(
+        "an OpenCRG file states this itself: leave out mis"
+    )
+    path.write_bytes(gzip.compress(CRG[:-40].encode()))
+    assert refusal(path).startswith("pyopencrg cannot read this")
 
 
 def test_a_packed_file_may_not_unfold_without_end(

@@ -64,8 +64,6 @@ class Missing:
 
 def known_missing(missing: Any) -> Missing:
     """Return what marks missing readings, as passed by a caller."""
-    if missing is None:
-        return Missing()
     if isinstance(missing, str):
         given: Sequence[Any] = missing.split(",")
     else:

@@ -80,8 +80,8 @@ def read_profile(
         The decimal mark of delimited text. Found from the first lines if omitted, unless they can
         be read in two ways: ``1,25`` between commas, or ``1,234`` alone.
     missing : float, str or sequence of them, optional
-        Numbers, as -999, and words, as "nan" or "" for nothing, that stand for missing readings
-        in the columns of elevations of delimited text or ERD, in their units. These readings are
+        Numbers in the unit of the column, as -999, and words, as "nan", or "" for nothing, that
+        stand for missing readings in the elevations of delimited text or ERD. These readings are
         left out of their track. If omitted, -999, 9999, -32768 and the like are refused where the
         neighbours are unlike them; ``()`` takes all numbers as elevations.
     skip_lines : int, optional
