@@ -156,13 +156,19 @@ def test_a_marker_is_not_written(tmp_path: Path) -> None:
 
 def test_a_missing_station_is_refused_in_any_case(tmp_path: Path) -> None:
     path = tmp_path / "road.csv"
-    for marker, line in (("-999", 4), ("9999", 4)):
-        path.write_text(f"x [m],z [mm]\n0,0\n1,0\n{marker},0\n3,0\n4,0\n")
+    for marker, line in (("-999", 4), ("9999", 4), ("9999", 2)):
+        rows = ["0,0", "1,0", "3,0", "4,0"]
+        rows.insert(line - 2, f"{marker},0")
+        path.write_text("\n".join(["x [m],z [mm]", *rows]))
         for arguments in ({}, {"missing": float(marker)}):
             assert refusal(path, **arguments) == (
                 f"{line}: the station {marker} m looks like the marker of a missing one: correct "
                 "or remove the line"
             )
+    path.write_text("x [m],z [mm]\n998,0\n999,0\n998.5,0\n")
+    assert refusal(path).startswith(
+        "4: station 998.5 m lies before 999 m on line 3: sort the lines"
+    )
     path.write_text("x [m],z [mm]\n0,0\nnan,0\n2,0\n")
     assert refusal(path, missing="nan").startswith("3: expected a finite number in column 0")
 
@@ -189,6 +195,23 @@ def test_each_track_misses_its_own_readings(tmp_path: Path) -> None:
         "station 1 m",
     ]
     assert {one.filename for one in told} == {__file__}
+
+
+def test_a_track_that_misses_too_much_is_left_out_if_there_are_others(tmp_path: Path) -> None:
+    path = tmp_path / "road.csv"
+    rows = "".join(f"{0.1 * i:.1f},{i % 3},-999,{-999 if 9 < i < 190 else 0}\n" for i in range(200))
+    path.write_text(f"x [m],left [mm],middle [mm],right [mm]\n{rows}")
+    with pytest.warns(UserWarning, match="is left out") as told:
+        roads = read_tracks(path, missing=-999)
+    assert [road.name for road in roads] == ["road left"]
+    assert [str(one.message) for one in told] == [
+        f"{path}:2: road middle: without the missing readings 0 of 200 are left: a road needs two "
+        "or more; road middle is left out",
+        f"{path}:192: station 19 m comes 18.1 m after 0.9 m on line 11, where the median step is "
+        "0.1 m: correct the station, or cut the file here and read the part before or after the gap; "
+        "road right is left out",
+    ]
+    assert refusal(path, missing=-999, track="right").startswith("192: station 19 m comes 18.1 m")
 
 
 def test_a_gap_of_missing_readings_too_wide_for_a_road_is_refused(tmp_path: Path) -> None:

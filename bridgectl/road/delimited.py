@@ -46,7 +46,7 @@ from .lines import (
     split,
     wrong_separator,
 )
-from .missing import is_marker
+from .missing import marker_station
 from .profile import RoadProfile
 from .table import Layout, Table, read_table
 from .tracks import (
@@ -55,8 +55,9 @@ from .tracks import (
     UNITS,
     Pick,
     Request,
+    Track,
     even_stations,
-    make_track,
+    make_roads,
     odd_step,
     require_no_gap,
 )
@@ -92,12 +93,11 @@ def read_delimited(
     if layout.chainage == CHAINAGE_DIGITS["m"]:
         units = ("m", *units[1:])  # also where "km" tells what stands before the plus
     x = _stations(file, table, request, units)
-    return [
-        make_track(
-            file, x, z, table.line, units[1 + i], _remedy(units[0], units[1 + i]), name, request
-        )
+    tracks = [
+        Track(name, z, units[1 + i], _remedy(units[0], units[1 + i]))
         for z, (i, name) in zip(table.values[layout.stations :], picked, strict=True)
     ]
+    return make_roads(file, x, tracks, table.line, request)
 
 
 def _rows(head: Sequence[str], first: int) -> Iterator[Line]:
@@ -233,9 +233,9 @@ def _stations(file: str, table: Table, request: Request, units: tuple[str, ...])
         return even_stations(0.0, request.step, table.values.shape[1])
     x: FloatArray = table.values[0]
     i = first_unsorted(x)
-    if i is not None and (marker := next((j for j in (i, i - 1) if is_marker(x[j])), None)):
-        fault = f"the station {x[marker]:.12g} {units[0]} looks like the marker of a missing one"
-        raise refusal(file, f"{fault}: correct or remove the line", table.line(marker))
+    if i is not None and (j := marker_station(x, i)) is not None:
+        fault = f"the station {x[j]:.12g} {units[0]} looks like the marker of a missing one"
+        raise refusal(file, f"{fault}: correct or remove the line", table.line(j))
     x *= UNITS[units[0]]
     if i is not None:
         raise refusal(file, _disorder(x, i, table), table.line(i))

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from .lines import Line, delimiter_of, is_blank, number, printable, quoted, refusal, split
 from .profile import RoadProfile
 from .table import Layout, Table, read_table
-from .tracks import TELL_UNITS, UNITS, Pick, Request, even_stations, make_track, odd_step
+from .tracks import TELL_UNITS, UNITS, Pick, Request, Track, even_stations, make_roads, odd_step
 
 SIGNATURE = "ERDFILEV"
 WIDTH = 8  # characters of a keyword, and of each channel's short name and unit
@@ -94,10 +94,11 @@ def read_erd(file: str, texts: Iterator[str], request: Request, pick: Pick) -> l
     _require_all(header, table, n_samples)
     x = even_stations(origin, step, n_samples)
     remedy = "correct it, or the unit in UNITSNAM or XUNITS"
-    return [
-        make_track(file, x, z, table.line, elevations[i], remedy, name, request)
+    tracks = [
+        Track(name, z, elevations[i], remedy)
         for z, (i, name) in zip(table.values, picked, strict=True)
     ]
+    return make_roads(file, x, tracks, table.line, request)
 
 
 def _header(file: str, texts: Iterator[str]) -> _Header:

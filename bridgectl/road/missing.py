@@ -75,7 +75,7 @@ def known_missing(missing: Any) -> Missing:
     for item in given:
         try:
             value = float(item)
-        except ValueError:
+        except (ValueError, OverflowError):
             value = np.nan
         if np.isnan(value):
             words.add(str(item).strip().casefold())
@@ -104,9 +104,10 @@ def marker_in(z: FloatArray) -> int | None:
     return int(first[np.argmax(odd)]) if odd.any() else None
 
 
-def is_marker(value: float) -> bool:
-    """Tell whether a number is one that marks missing readings."""
-    return bool(np.isin(value, MARKERS))
+def marker_station(x: FloatArray, i: int) -> int | None:
+    """Return which of two stations out of order, i and the one before, is a marker, if any."""
+    apart = abs(x[i] - x[i - 1])
+    return next((j for j in (i, i - 1) if x[j] in MARKERS and apart > OFF * abs(x[j])), None)
 
 
 def _at_markers(z: FloatArray) -> NDArray[np.int_]:

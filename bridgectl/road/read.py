@@ -182,7 +182,7 @@ def read_tracks(
     Warns
     -----
     UserWarning
-        See `read_profile`.
+        See `read_profile`; also if a track misses so many readings that it is left out.
 
     Examples
     --------

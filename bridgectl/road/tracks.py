@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 
 from .limits import MAX_SLOPE, first_too_steep
-from .lines import passing, quoted, refusal
+from .lines import ProfileFileError, passing, quoted, refusal
 from .missing import Missing, absent, require_no_marker
 from .profile import RoadProfile
 
@@ -95,36 +96,78 @@ def listed(labels: Sequence[str], most: int = 20) -> str:
     return ", ".join(words) + (", ..." if len(labels) > most else "")
 
 
-def make_track(
+@dataclass(frozen=True)
+class Track:
+    """The elevations of one track, as a file has them."""
+
+    name: str
+    z: FloatArray
+    unit: str
+    remedy: str
+    """What to do if they are too steep."""
+
+
+def make_roads(
     file: str,
     x: FloatArray,
-    z: FloatArray,
+    tracks: Sequence[Track],
     line: Callable[[int], int],
-    unit: str,
-    remedy: str,
-    name: str,
+    request: Request,
+) -> list[RoadProfile]:
+    """Return the roads of tracks at stations [m], without missing readings.
+
+    Of several tracks, those that miss too many readings are left out, and the caller is told.
+    """
+    roads, faults = [], []
+    for track in tracks:
+        rows, told = None, len(request.remarks)
+        try:
+            rows = _present_rows(file, x, track, line, request)
+        except ProfileFileError as fault:
+            faults.append(fault)
+            request.remarks[told:] = [f"{fault}; {track.name} is left out"]
+            continue
+        roads.append(_make_road(file, x, track, line, rows, request))
+    if not roads:
+        raise faults[0]
+    return roads
+
+
+def _present_rows(
+    file: str, x: FloatArray, track: Track, line: Callable[[int], int], request: Request
+) -> NDArray[np.int_] | None:
+    """Return the rows of the readings that are there, None for all of them."""
+    if not request.missing or not (gone := absent(track.z, request.missing)).any():
+        return None
+    kept, first = np.flatnonzero(~gone), line(int(np.argmax(gone)))
+    if kept.size < 2:
+        fault = f"{track.name}: without the missing readings {kept.size} of {gone.size} are left"
+        raise refusal(file, f"{fault}: a road needs two or more", first)
+    request.remarks.append(_absence(file, track.name, gone.size - kept.size, first, x[kept]))
+    require_no_gap(file, x[kept], lambda row: line(int(kept[row])))
+    return kept
+
+
+def _make_road(
+    file: str,
+    x: FloatArray,
+    track: Track,
+    line: Callable[[int], int],
+    rows: NDArray[np.int_] | None,
     request: Request,
 ) -> RoadProfile:
-    """Return a road of stations [m] and elevations in a unit, without missing readings."""
-    missing = request.missing or Missing()
-    if request.missing and (gone := absent(z, missing)).any():
-        kept = np.flatnonzero(~gone)
-        first, all_lines = line(int(np.argmax(gone))), line
-        if kept.size < 2:
-            fault = f"{name}: without the missing readings {kept.size} of {z.size} are left"
-            raise refusal(file, f"{fault}: a road needs two or more", first)
+    z = track.z
+    if rows is not None:
+        x, z = x[rows], z[rows]
 
-        def line(row: int) -> int:
-            return all_lines(int(kept[row]))
+    def line_of(row: int) -> int:
+        return line(row if rows is None else int(rows[row]))
 
-        x, z = x[kept], z[kept]
-        request.remarks.append(_absence(file, name, gone.size - kept.size, first, x))
-        require_no_gap(file, x, line)
-    require_no_marker(file, z, unit, line, missing)
-    z *= UNITS[unit]
-    require_gentle_track(file, x, z, line, unit, remedy)
+    require_no_marker(file, z, track.unit, line_of, request.missing or Missing())
+    z *= UNITS[track.unit]
+    require_gentle_track(file, x, z, line_of, track.unit, track.remedy)
     # Checked already, with the line of the file, and copies would double the memory.
-    return RoadProfile._trusted(x, z, name)
+    return RoadProfile._trusted(x, z, track.name)
 
 
 def _absence(file: str, name: str, n_missing: int, first: int, x: FloatArray) -> str:
