@@ -165,7 +165,7 @@ def assert_read_or_refused(path: Path, **arguments: Any) -> bool:
     tracks = arguments.pop("track", None)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        warnings.filterwarnings("ignore", "(?s).* left out, |.* passed over, ", UserWarning)
+        warnings.filterwarnings("ignore", "(?s).* left out|.* passed over, ", UserWarning)
         try:
             roads = read_tracks(path, **arguments) if tracks is None else []
             roads = roads or [read_profile(path, track=tracks, **arguments)]

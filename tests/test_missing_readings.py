@@ -208,8 +208,8 @@ def test_a_track_that_misses_too_much_is_left_out_if_there_are_others(tmp_path: 
         f"{path}:2: road middle: without the missing readings 0 of 200 are left: a road needs two "
         "or more; road middle is left out",
         f"{path}:192: station 19 m comes 18.1 m after 0.9 m on line 11, where the median step is "
-        "0.1 m: correct the station, or cut the file here and read the part before or after the gap; "
-        "road right is left out",
+        "0.1 m: correct the station, or cut the file here and read the part before or after the "
+        "gap; road right is left out",
     ]
     assert refusal(path, missing=-999, track="right").startswith("192: station 19 m comes 18.1 m")
 

@@ -950,7 +950,7 @@ def outcome(path: Path, **arguments: Any) -> RoadProfile | str:
     """Return the road or the refusal; anything else is an error of the reader."""
     try:
         with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", ".* left out, |.* passed over, ", UserWarning)
+            warnings.filterwarnings("ignore", ".* left out|.* passed over, ", UserWarning)
             return read_profile(path, **arguments)
     except ProfileFileError as error:
         return str(error)
