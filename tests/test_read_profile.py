@@ -237,6 +237,11 @@ def test_words_in_latin_1_are_read_wherever_they_stand(write: Write) -> None:
     assert [track.name for track in tracks] == ["road Höhe", "road Tiefe"]
 
 
+def test_words_in_latin_1_are_not_blamed_for_another_fault(write: Write) -> None:
+    path = write("0;0;Straße\n1;0;Fuß;2\n".encode("latin-1"))
+    assert refusal(path, units="m,mm").startswith("2: expected 3 columns, found 4")
+
+
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-32"])
 def test_a_byte_order_mark_tells_the_encoding(write: Write, encoding: str) -> None:
     assert read_profile(write(GOOD.encode(encoding))) == read_profile(write(GOOD))

@@ -143,10 +143,10 @@ def _lines_of(head: Sequence[str], skipped: int) -> Iterator[Line]:
 
 
 def _lines_above(head: Sequence[str], skipped: int, separator: str | None, request: Request) -> int:
-    """Return how many lines stand above one that names columns and units, 0 if there is none."""
+    """Return how many lines to pass over: all above one that names columns and their units."""
     lines = list(_lines_of(head, skipped))
     for i, (line, text) in enumerate(lines[:-1]):
-        if _is_row(lines[i][1], separator, request):
+        if _is_row(text, separator, request):
             break
         if not _names_columns(text):
             continue

@@ -134,7 +134,7 @@ class Layout:
 
     def _fault(self, text: str, fields: list[str]) -> str:
         whole = len(fields) == self.width
-        for word in [fields[column] for column in self.columns] if whole else [text]:
+        for word in (fields[column] for column in self.columns if column < len(fields)):
             if fault := byte_in(word) or (self.comments and whole and odd_mark(word, self.decimal)):
                 return fault
         plain = text.replace(COMMA, POINT) if self.decimal == COMMA else text
