@@ -20,6 +20,7 @@ from bridgectl.road import (
     RoadProfile,
     lines,
     packed,
+    read,
     read_profile,
     read_tracks,
     table,
@@ -843,6 +844,21 @@ def test_a_packed_open_crg_file_is_read_and_refused_by_its_own_name(tmp_path: Pa
     )
     path.write_bytes(gzip.compress(CRG[:-40].encode()))
     assert refusal(path).startswith("pyopencrg cannot read this")
+
+
+def test_what_is_warned_of_a_packed_open_crg_file_names_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def read_with_a_note(file: str, *arguments: Any) -> list[RoadProfile]:
+        warnings.warn(f"{file}: a note", UserWarning, stacklevel=2)
+        return [RoadProfile([0, 1], [0, 0])]
+
+    monkeypatch.setattr(read, "read_crg", read_with_a_note)
+    path = tmp_path / "road.crg.gz"
+    path.write_bytes(gzip.compress(CRG.encode()))
+    with pytest.warns(UserWarning, match="a note") as told:
+        read_tracks(path)
+    assert [(str(one.message), one.filename) for one in told] == [(f"{path}: a note", __file__)]
 
 
 def test_a_packed_file_may_not_unfold_without_end(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import os
 import tempfile
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -50,12 +51,16 @@ def unpacked(file: str, handle: BinaryIO) -> BinaryIO:
 
 
 @contextmanager
-def unpacked_copy(file: str, handle: BinaryIO) -> Iterator[str]:
-    """Yield the name of a file that a library can open itself; errors speak of the packed one."""
+def unpacked_copy(file: str, handle: BinaryIO, remarks: list[str]) -> Iterator[str]:
+    """Yield the name of a file that a library can open itself.
+
+    Errors and warnings speak of the packed one; the latter become remarks.
+    """
     if not isinstance(cast(object, handle), Unpacked):
         yield file
         return
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
         copy = Path(folder, "road.crg")
         with copy.open("wb") as target:
             while block := lines.read(file, handle, lines.CHUNK):
@@ -63,5 +68,6 @@ def unpacked_copy(file: str, handle: BinaryIO) -> Iterator[str]:
         try:
             yield str(copy)
         except lines.ProfileFileError as error:
-            told = str(error).replace(str(copy), lines.printable(file))
-            raise lines.ProfileFileError(told) from None
+            fault = str(error).replace(str(copy), lines.printable(file))
+            raise lines.ProfileFileError(fault) from None
+        remarks += [str(one.message).replace(str(copy), file) for one in told]

@@ -40,7 +40,7 @@ BANDS_PER_OCTAVE = 3
 
 CLASSES = "ABCDEFGH"
 
-ROUND_OFF = (1e-11, 1e3 * np.finfo(float).eps)
+UNMEASURED = (1e-11, 1e3 * np.finfo(float).eps)
 """Heights [m], and parts of the largest elevation, that no road has but round-off may make."""
 
 
@@ -267,6 +267,6 @@ def road_psd(
     """Spectrum of one road; see `RoadProfile.psd`."""
     step = even_step(x, "PSD")
     n, density, averages = elevation_psd(elevation, step, segment, window)
-    height = max(ROUND_OFF[0], ROUND_OFF[1] * float(np.abs(elevation).max()))
+    height = max(UNMEASURED[0], UNMEASURED[1] * float(np.abs(elevation).max()))
     # White noise of this height, and so of a variance of a twelfth of its square, as of rounding.
-    return RoadPsd(n, density, averages, name, step * height**2 / 6)
+    return RoadPsd(n, density, averages, name, round_off=step * height**2 / 6)

@@ -229,12 +229,13 @@ def _read(file: str, request: Request, pick: Pick) -> list[RoadProfile]:
         head = lines.read(file, handle, HEAD)
         handle.seek(0)
         if MARK.search(head):
-            with unpacked_copy(file, handle) as copy:
-                return read_crg(copy, request, pick)
-        encoding = lines.encoding_of(head)
-        texts = lines.text_lines(file, handle, encoding)
-        is_erd = head.decode(encoding, "replace").startswith(SIGNATURE)
-        roads = (read_erd if is_erd else read_delimited)(file, texts, request, pick)
+            with unpacked_copy(file, handle, request.remarks) as copy:
+                roads = read_crg(copy, request, pick)
+        else:
+            encoding = lines.encoding_of(head)
+            texts = lines.text_lines(file, handle, encoding)
+            is_erd = head.decode(encoding, "replace").startswith(SIGNATURE)
+            roads = (read_erd if is_erd else read_delimited)(file, texts, request, pick)
     for remark in request.remarks:
         warnings.warn(remark, UserWarning, stacklevel=3)
     return roads
