@@ -36,6 +36,14 @@ def add_file_options(parser: argparse.ArgumentParser, *, many: bool = False) -> 
     file.add_argument(
         "--step", type=as_number, metavar="M", help="distance between lines without stations [m]"
     )
+    file.add_argument("--decimal", metavar="C", help="decimal mark, as ',' (default: as found)")
+    file.add_argument(
+        "--missing", metavar="V,...",
+        help="what marks missing readings, to be left out, as --missing=-999 or --missing=-999,nan",
+    )  # fmt: skip
+    file.add_argument(
+        "--skip-lines", type=as_whole, metavar="N", help="lines at the top that are no part of it"
+    )
     file.add_argument(
         "--track", metavar="NAME", help="which elevations of several, by label or number from 0"
     )
@@ -47,7 +55,8 @@ def file_arguments(args: argparse.Namespace) -> dict[str, Any]:
     if args.columns is not None:
         columns = tuple(numbers("--columns", args.columns, int))
     return {
-        "units": args.units, "columns": columns, "delimiter": args.delimiter, "step": args.step
+        "units": args.units, "columns": columns, "delimiter": args.delimiter, "step": args.step,
+        "decimal": args.decimal, "missing": args.missing, "skip_lines": args.skip_lines,
     }  # fmt: skip
 
 

@@ -138,6 +138,23 @@ def test_a_level_road_has_no_line():
         bc.RoadProfile([0, 100], [0, 0]).resample(0.1).psd().fit()
 
 
+@pytest.mark.parametrize("height", [0.0, 1.0, 583.0])
+@pytest.mark.parametrize("grade", [0.001, 0.05])
+def test_the_round_off_of_a_straight_road_is_no_class(height, grade):
+    x = 0.25 * np.arange(2000)
+    road = bc.RoadProfile(x, height + grade * x)
+    for straight in (road, road.detrend()):
+        with pytest.raises(ValueError, match="the road has no waves in a part of"):
+            straight.psd().fit()
+
+
+def test_a_smooth_road_far_above_the_sea_has_its_class():
+    road = random_walk(500, 0.25, 1e-9, 0)
+    high = bc.RoadProfile(road.x, road.elevation + 4000)
+    assert high.psd().fit() == pytest.approx(road.psd().fit(), rel=1e-3)
+    assert high.psd().fit().iso_class == "A"
+
+
 def test_a_class_that_is_none_is_an_error():
     with pytest.raises(ValueError, match="iso_class must be one of 'A', 'B'"):
         class_roughness("Z")

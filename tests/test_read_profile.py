@@ -1,8 +1,10 @@
 """Reading road files: what is understood, and what every bad file is told."""
 
+import gzip
 import os
 import tempfile
 import tracemalloc
+import warnings
 from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
@@ -17,6 +19,8 @@ from bridgectl.road import (
     ProfileFileError,
     RoadProfile,
     lines,
+    packed,
+    read,
     read_profile,
     read_tracks,
     table,
@@ -118,6 +122,11 @@ def test_other_columns_may_hold_anything(write: Write) -> None:
     np.testing.assert_allclose(road.elevation, [0.0, 0.0254, 0.0508], rtol=0, atol=1e-12)
 
 
+def test_a_comment_of_as_many_fields_is_no_line_of_numbers(write: Write) -> None:
+    road = read_profile(write("n,x [m],z [mm]\n1,0,0\n#2,5,5\n3,1,0\n"), columns=(1, 2))
+    assert road.x.tolist() == [0.0, 1.0]
+
+
 def test_blank_lines_comments_and_a_byte_order_mark_are_skipped(write: Write) -> None:
     text = "\ufeff# räum\n\n \t \nx_m\tz_m\t\n0\t0\t\n  # gap\n% gap\n// gap\n\n0.1\t0\t\n0.2\t0\t"
     assert read_profile(write(text)).x.tolist() == [0.0, 0.1, 0.2]
@@ -213,15 +222,34 @@ def test_one_line_of_numbers_is_no_road(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "byte"), [(b"0 0\n1\x00 0\n", "0x00"), (b"0 0\n# L\xe4nge\n1 0\n", "0xe4")]
+    ("content", "byte"),
+    [(b"0 0\n1\x00 0\n", "0x00"), (b"0 0\n1 0\xe4\n", "0xe4"), (b"0 0\n1\x81\n", "0x81")],
 )
 def test_a_binary_file_is_refused_with_the_line(write: Write, content: bytes, byte: str) -> None:
     expected = f"2: the byte {byte} is not text: save the file as UTF-8 text (csv)"
     assert refusal(write(content), units="m,m") == expected
 
 
-def test_a_utf_16_file_is_refused(write: Write) -> None:
-    assert "save the file as UTF-8" in refusal(write(GOOD.encode("utf-16")))
+def test_words_in_latin_1_are_read_wherever_they_stand(write: Write) -> None:
+    text = "# Länge\nx [m];Höhe [mm];Anmerkung\n0;0;Fuß\n# Brücke\u2014Süd\n1;2;\n"
+    road = read_profile(write(text.encode("cp1252")), track="höhe")
+    assert road.elevation.tolist() == [0.0, 2e-3]
+    tracks = read_tracks(write("x [m],Höhe [mm],Tiefe [mm]\n0,0,0\n1,0,0\n".encode("latin-1")))
+    assert [track.name for track in tracks] == ["road Höhe", "road Tiefe"]
+
+
+def test_words_in_latin_1_are_not_blamed_for_another_fault(write: Write) -> None:
+    path = write("0;0;Straße\n1;0;Fuß;2\n".encode("latin-1"))
+    assert refusal(path, units="m,mm").startswith("2: expected 3 columns, found 4")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-32"])
+def test_a_byte_order_mark_tells_the_encoding(write: Write, encoding: str) -> None:
+    assert read_profile(write(GOOD.encode(encoding))) == read_profile(write(GOOD))
+
+
+def test_a_torn_utf_16_file_is_refused(write: Write) -> None:
+    assert "found '3" in refusal(write(GOOD.encode("utf-16")[:-1]))
 
 
 # Lines that are no numbers
@@ -291,14 +319,182 @@ def test_a_delimiter_that_the_file_does_not_use_is_refused(write: Write) -> None
     assert message.startswith("1: expected semicolon, found white space: use one delimiter")
 
 
+# Decimal commas
+
+
+@pytest.mark.parametrize("text", ["0,25;1,3", "0,25 1,3", "0,25\t1,3", "0,25 ; 1,3", "0,25;+1,3"])
+@pytest.mark.parametrize("before", ["", "0;0\n", "# a comment, or two\n"])
+def test_decimal_commas_are_read(write: Write, text: str, before: str) -> None:
+    before = before.replace(";", "\t" if "\t" in text else ";" if ";" in text else " ")
+    road = read_profile(write(f"{before}{text}\n0,5{text[4:]}\n"), units="m,mm")
+    assert road.x[-2:].tolist() == [0.25, 0.5]
+    assert road.elevation[-1] == pytest.approx(1.3e-3, abs=1e-12)
+
+
+def test_one_field_with_three_digits_of_many_leaves_no_doubt_of_the_decimal_comma(
+    write: Write,
+) -> None:
+    assert read_profile(write("0,000;1,234\n0,250;1,235\n"), units="m,mm").x[-1] == 0.25
+    path = write("1,000;1,234\n1,250;1,235\n")
+    assert refusal(path, units="m,mm") == (
+        "1: '1,000' may be 1.000 or 1000: pass decimal=\",\" (--decimal ,) or leave out the comma"
+    )
+    assert read_profile(path, units="m,mm", decimal=",").x.tolist() == [1.0, 1.25]
+    assert "decimal comma or a separator" in refusal(path, units="m,mm", decimal=".")
+
+
 @pytest.mark.parametrize(
-    "text", ["0,25;1,3", "0,25 1,3", "0,25\t1,3", "0;1,3", "0,25;1", "-0,5 ; 2"]
+    ("text", "arguments", "message"),
+    [
+        ("0,0;1.5\n0,5;1,3\n", {}, "1: a decimal comma or a separator of thousands in '0,0'"),
+        ("0,0;1,5\n0,5;1.3\n", {"decimal": ","}, "2: a decimal point or a separator of thousands"),
+        ("0.0;1.5\n1'000.5;1\n", {}, "2: thousands separators are not understood, found '1'000.5'"),
+        ("0,5;1\n1.000,5;1\n", {}, "2: thousands separators are not understood, found '1.000,5'"),
+        ("0,5;1,5,5\n1,0;1\n", {}, "1: expected a finite number in column 1"),
+        ("x [m],z [mm]\n1,000.0,2\n1,001.0,2\n", None, "2: commas may separate columns or be"),
+        ("0,0,1,5\n0,1,1,6\n", {}, "1: commas may separate columns or be decimal marks"),
+        ("0,0\n0,1\n", {"decimal": ","}, "1: column 1 (counted from 0) does not exist, found 1"),
+        ("sep=,\n0,0\n0,1\n", {"decimal": ","}, "2: commas cannot separate columns and be"),
+        ("sep=|\n0|0\n1|1\n", {}, "1: sep=| is no delimiter known here, which are"),
+    ],
 )
-@pytest.mark.parametrize("before", ["", "0;0\n"])
-def test_decimal_commas_are_not_understood(write: Write, text: str, before: str) -> None:
-    message = refusal(write(f"{before}{text}\n"), units="m,mm")
-    assert "decimal commas are not understood" in message
-    assert message.endswith("write 0.25 for 0,25")
+def test_numbers_that_can_be_read_in_two_ways_are_refused(
+    write: Write, text: str, arguments: dict[str, Any] | None, message: str
+) -> None:
+    arguments = {} if arguments is None else {"units": "m,mm", **arguments}
+    assert refusal(write(text), **arguments).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments"),
+    [
+        ("0,0,1,5\n1,0,1,6\n", {"columns": (0, 3)}),
+        ("a,b,c,d\n0,5,1,5\n1,6,1,6\n", {}),
+        ("# x [m], z [mm], u [mm], v [mm]\n0,5,1,5\n1,6,1,6\n", {}),
+    ],
+)
+def test_whole_numbers_between_commas_are_columns_where_they_are_named_or_chosen(
+    write: Write, text: str, arguments: dict[str, Any]
+) -> None:
+    road = read_profile(write(text), units="m,mm", **arguments)
+    assert road.elevation == pytest.approx([5e-3, 6e-3], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments"),
+    [
+        ("1,25\n1,3\n", {"units": "mm", "decimal": ","}),
+        ("1,25\n1,3\n", {"units": "mm", "decimal": ",", "delimiter": ";"}),
+        ("z [mm]\n1,25\n1,3\n", {}),
+        ("# z [mm]\n1,25\n1,3\n", {}),
+        ("z [mm]\n1,25\n1,30\n", {"units": "mm"}),
+    ],
+)
+def test_one_column_of_decimal_commas_keeps_its_digits(
+    write: Write, text: str, arguments: dict[str, Any]
+) -> None:
+    road = read_profile(write(text), step=0.25, **arguments)
+    np.testing.assert_allclose(road.elevation, [1.25e-3, 1.3e-3], rtol=0, atol=1e-12)
+
+
+def test_one_column_of_commas_is_refused_unless_two_columns_are_named_or_chosen(
+    write: Write,
+) -> None:
+    message = refusal(write("1,25\n1,30\n"), units="mm", step=0.25)
+    assert message == (
+        "1: '1,25' may be one number with a decimal comma or two: pass decimal=\",\" (--decimal ,) "
+        "or columns=(0,) (--columns 0)"
+    )
+    for text, arguments in (
+        ("1,25\n2,30\n", {"columns": (0,)}),
+        ("1,25\n2,30\n", {"delimiter": ","}),
+        ("z [mm],n\n1,25\n2,30\n", {}),
+    ):
+        road = read_profile(write(text), units="mm", step=0.25, **arguments)
+        np.testing.assert_allclose(road.elevation, [1e-3, 2e-3], rtol=0, atol=1e-12)
+
+
+# Lines above the header
+
+SURVEY = "Road: A1\nOperator, none\nSpeed [km/h],80\n\nx [m],left [mm],right [mm]\n0,1,2\n1,2,3\n"
+
+
+def test_lines_above_the_names_and_units_are_passed_over_with_a_warning(write: Write) -> None:
+    path = write(SURVEY)
+    with pytest.warns(UserWarning, match="3 lines above the names and units on line 5.*'Road"):
+        road = read_profile(path)
+    assert road.name == "road left"
+    assert read_profile(path, skip_lines=4) == read_profile(path, skip_lines=3) == road
+    with pytest.warns(UserWarning, match=r"1 line above the names and units on line 2 passed over"):
+        read_profile(write("Road\nx [m],z [mm]\n0,0\n1,1\n"))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("A1\nA2\nx,z\n0,0\n1,1\n", "2: expected a finite number in each column, or their names"),
+        ("A1\n0,0\n1,1\nx [m],z [mm]\n2,0\n3,1\n", "4: expected a finite number in column 0"),
+    ],
+)
+def test_lines_are_not_passed_over_without_units_below_nor_if_they_hold_numbers(
+    write: Write, text: str, message: str
+) -> None:
+    assert refusal(write(text), units="m,mm").startswith(message)
+
+
+def test_lines_are_skipped_whatever_they_hold(write: Write) -> None:
+    path = write("9,9\n8,8\nx [m],z [mm]\n0,0\n1,1\n")
+    assert read_profile(path, skip_lines=2).x.tolist() == [0.0, 1.0]
+    assert refusal(path, skip_lines=9).startswith("no line of numbers")
+    message = refusal(write("A1\nA2\n0,0\n1,0\n"), units="m,mm")
+    assert message.endswith("pass skip_lines= (--skip-lines on the command line) with 2 or more if "
+                            "the road begins below")  # fmt: skip
+
+
+# Chainages
+
+
+@pytest.mark.parametrize(
+    ("stations", "units", "x"),
+    [
+        (["12+345.6", "12+346", "12+346.5"], "m", [12345.6, 12346.0, 12346.5]),
+        (["-0+000.5", "0+000", "0 + 000.25"], "m", [-0.5, 0.0, 0.25]),
+        (["12+345", "12+346", "12+347"], "km", [12345.0, 12346.0, 12347.0]),
+        (["12+99.5", "13+00", "13+01"], "ft", [396.0876, 396.24, 396.5448]),
+    ],
+)
+@pytest.mark.parametrize("block", [2, 4096])
+def test_chainages_are_stations(
+    write: Write,
+    monkeypatch: pytest.MonkeyPatch,
+    stations: list[str],
+    units: str,
+    x: list[float],
+    block: int,
+) -> None:
+    monkeypatch.setattr(table, "BLOCK", block)
+    path = write("".join(f"{station};0;{station}\n" for station in stations))
+    np.testing.assert_allclose(read_profile(path, units=f"{units},mm").x, x, rtol=0, atol=1e-9)
+    path = write("".join(f"0\t{station}\n" for station in stations))
+    road = read_profile(path, units=f"{units},mm", columns=(1, 0))
+    np.testing.assert_allclose(road.x, x, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "units", "message"),
+    [
+        ("12+34.5,0\n12+35,0\n", "m", "1: the station '12+34.5' is no chainage in m: expected 12+"),
+        ("12+345,0\n12+346,0\n", "ft", "1: the station '12+345' is no chainage in ft"),
+        ("12+345,0\n12+346,0\n", "mm", "1: the station '12+345' is no chainage in mm"),
+        ("0+999,0\n1000,0\n", "m", "2: expected a chainage in column 0 (counted from 0), found '1"),
+        ("0+999,0\n1+0,0\n", "m", "2: expected a chainage in column 0 (counted from 0), found '1"),
+        ("0.5,0\n1+000,0\n", "m", "2: expected a finite number in column 0 (counted from 0)"),
+        ("0,0\n1,1+000\n", "m", "2: expected a finite number in column 1 (counted from 0)"),
+        ("0+000,0\n0+001,1+000\n", "m", "2: expected a finite number in column 1"),
+    ],
+)
+def test_what_is_no_chainage_is_refused(write: Write, text: str, units: str, message: str) -> None:
+    assert refusal(write(text), units=f"{units},mm").startswith(message)
 
 
 def test_a_column_that_does_not_exist_is_refused(write: Write) -> None:
@@ -476,6 +672,12 @@ def test_a_file_without_stations_and_a_step_is_told_to_pass_one(write: Write) ->
     assert message.endswith("or step= (--step) if there are no stations")
 
 
+def test_a_column_that_does_not_exist_is_refused_with_a_step_too(write: Write) -> None:
+    message = refusal(write("0\n1\n"), units="mm", step=0.25, columns=(3,))
+    assert message.endswith("pass columns= or delimiter= (--columns or --delimiter on the command "
+                            "line)")  # fmt: skip
+
+
 def test_units_with_a_step_are_one(write: Write) -> None:
     path = write("0\n1\n")
     assert refusal(path, units="m,mm", step=0.25) == (
@@ -518,6 +720,162 @@ def test_stations_that_do_not_increase_are_refused(
     assert refusal(write("\n".join(lines))).startswith(message)
 
 
+# Columns that are no elevations
+
+COUNTED = "".join(f"{i}{{0}}{0.25 * i:.2f}{{0}}{i * i % 7 / 7:.3f}\n" for i in range(30))
+
+
+@pytest.mark.parametrize("label", ["", "n,x,z\n", ",x,z\n", "a,b,c\n", "# n, x, z\n"])
+def test_a_counter_in_the_stations_place_is_refused_with_the_columns_to_pass(
+    write: Write, label: str
+) -> None:
+    path = write(label + COUNTED.format(","))
+    message = refusal(path, units="m,mm")
+    assert "counts the lines or holds stations: pass columns=(1, 2) (--columns 1,2) for" in message
+    assert message.endswith("or pass columns=(0, 1) (--columns 0,1) if it is right all the same")
+    assert read_profile(path, units="m,mm", columns=(1, 2)).x[-1] == pytest.approx(7.25)
+    assert read_profile(path, units="m,mm", columns=(0, 1)).x[-1] == pytest.approx(29)
+
+
+def test_a_counter_with_a_name_is_refused_though_the_stations_are_uneven(write: Write) -> None:
+    rows = "".join(f"{i},{0.25 * i + 0.01 * (i % 3):.2f},{i % 5}\n" for i in range(30))
+    assert "pass columns=(1, 2)" in refusal(write(f"No.,x,z\n{rows}"), units="m,mm")
+    assert read_profile(write(f"x,left,right\n{rows}"), units="m,mm").x[-1] == 29
+
+
+@pytest.mark.parametrize(
+    ("n", "place"), [(0, "columns=(1, 2) (--columns 1,2)"), (1, "columns=(0, 2) (--columns 0,2)")]
+)
+def test_a_counter_in_the_elevations_place_is_refused(write: Write, n: int, place: str) -> None:
+    columns = [[f"{0.3 * i:.1f}" for i in range(20)], ["5"] * 20]
+    columns.insert(n, list(map(str, range(1, 21))))
+    path = write("\n".join(map(" ".join, zip(*columns, strict=True))))
+    assert place in refusal(path, units="m,mm")
+
+
+@pytest.mark.parametrize("unit", ["m", "mm", "ft"])
+def test_stations_in_the_heights_place_are_refused_in_any_unit(write: Write, unit: str) -> None:
+    rows = "".join(f"{0.25 * i / tracks.UNITS[unit]:.3f};{i % 5}\n" for i in range(30))
+    message = refusal(write(rows), units="mm", step=0.25)
+    assert (
+        "column 0 (counted from 0) counts the lines or holds stations: pass columns=(1,)" in message
+    )
+    message = refusal(write(f"x [{unit}];z [mm]\n{rows}"), step=0.25)
+    assert "pass columns=(1,) (--columns 1) for those after it" in message
+    only = "".join(f"{row.split(';')[0]}\n" for row in rows.splitlines())
+    message = refusal(write(only), units="mm", step=0.25)
+    assert message.endswith("stations: pass columns=(0,) (--columns 0) if it is right all the same")
+
+
+def test_a_straight_grade_is_a_road(write: Write) -> None:
+    grade = "".join(f"{i},{10 * i}\n" for i in range(30))
+    assert read_profile(write(grade), units="m,mm").elevation[-1] == pytest.approx(0.29)
+    steep = "".join(f"{i},{i}\n" for i in range(30))
+    assert "counts the lines" in refusal(write(steep), units="m,mm")
+    assert read_profile(write(f"x [m],z [mm]\n{steep}")).elevation[-1] == pytest.approx(0.029)
+    assert read_profile(write(steep[:28]), units="m,mm").x.size == 7
+
+
+def test_a_point_number_before_named_units_is_told_of(write: Write) -> None:
+    path = write("n,x [m],z [mm]\n1,0,0\n2,1,1\n")
+    advice = "column 0 has none ('n'), pass columns=(1, 2) (--columns 1,2) for those that have"
+    assert refusal(path) == f"1: the file does not state its units: {advice}"
+    assert refusal(path, units="m,mm") == f"1: the units stated here are ?,m,mm: {advice}"
+    assert refusal(write("n,x [m],z [mm]\n1,0,0\n2,1,1\n"), columns=(0, 2)).startswith(
+        "the file does not state its units: pass units"
+    )
+
+
+# Packed files
+
+
+@pytest.mark.parametrize("name", ["road.csv.gz", "road.gz", "road"])
+def test_a_packed_file_is_read_whatever_its_name(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(gzip.compress(GOOD.encode()))
+    assert read_profile(tmp_path / name).name == "road"
+    assert read_profile(tmp_path / name).elevation[-1] == pytest.approx(3e-3, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda data: data[:-1],
+        lambda data: data[:15],
+        lambda data: data[:2],
+        lambda data: data + b"more",
+        lambda data: data[:-8] + b"\0" * 8,
+        lambda data: data[:20] + b"\xff" * 9 + data[29:],
+    ],
+)
+def test_a_damaged_packed_file_is_refused(write: Write, damage: Callable[[bytes], bytes]) -> None:
+    message = refusal(write(damage(gzip.compress(GOOD.encode()))))
+    assert message.startswith("the gz file is damaged (")
+    assert message.endswith("): copy it again")
+
+
+CRG = f"""$CT
+A road
+$ROAD_CRG
+REFERENCE_LINE_START_U = 0.0
+REFERENCE_LINE_END_U = 4.0
+REFERENCE_LINE_INCREMENT = 1.0
+LONG_SECTION_V_RIGHT = -0.5
+LONG_SECTION_V_LEFT = 0.5
+LONG_SECTION_V_INCREMENT = 1.0
+$!
+$KD_Definition
+#:LRFI
+D:long section 1,m
+D:long section 2,m
+$!
+{"$$$$$$$$10$$$$$$$$20$$$$$$$$30$$$$$$$$40$$$$$$$$50$$$$$$$$60$$$$$$$$70$$$$$$$$80"}
+""" + "".join(f" 0.00{i}0000 0.0100000\n" for i in range(5))
+
+
+def test_a_packed_open_crg_file_is_read_and_refused_by_its_own_name(tmp_path: Path) -> None:
+    pytest.importorskip("pyopencrg")
+    path = tmp_path / "road.crg.gz"
+    path.write_bytes(gzip.compress(CRG.encode()))
+    right, left = read_tracks(path)
+    assert [right.name, left.name] == ["road v=-0.5", "road v=0.5"]
+    assert right.elevation == pytest.approx(1e-3 * np.arange(5), abs=1e-12)
+    assert refusal(path, missing=-999).startswith(
+        "an OpenCRG file states this itself: leave out mis"
+    )
+    path.write_bytes(gzip.compress(CRG[:-40].encode()))
+    assert refusal(path).startswith("pyopencrg cannot read this")
+
+
+def test_what_is_warned_of_a_packed_open_crg_file_names_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def read_with_a_note(file: str, *arguments: Any) -> list[RoadProfile]:
+        warnings.warn(f"{file}: a note", UserWarning, stacklevel=2)
+        return [RoadProfile([0, 1], [0, 0])]
+
+    monkeypatch.setattr(read, "read_crg", read_with_a_note)
+    path = tmp_path / "road.crg.gz"
+    path.write_bytes(gzip.compress(CRG.encode()))
+    with pytest.warns(UserWarning, match="a note") as told:
+        read_tracks(path)
+    assert [(str(one.message), one.filename) for one in told] == [(f"{path}: a note", __file__)]
+
+
+def test_a_packed_file_may_not_unfold_without_end(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(packed, "FEW_BYTES", 2**20)
+    path = write(gzip.compress(GOOD.encode() + b"\n" * 2 * 10**6))
+    tracemalloc.start()
+    message = refusal(path)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert message == "the gz file holds more than 1 MiB: unpack it with gunzip if it is a road"
+    assert peak < 8e6
+    monkeypatch.setattr(packed, "MAX_RATIO", 2000)
+    assert read_profile(path).x.size == 3
+
+
 # Arguments
 
 
@@ -544,6 +902,13 @@ def test_stations_that_do_not_increase_are_refused(
         ({"step": "x"}, TypeError, "^step must be one number"),
         ({"track": 1.5}, TypeError, "^track must be a label or a whole number, got 1.5"),
         ({"track": True}, TypeError, "^track must be a label or a whole number"),
+        ({"decimal": ";"}, ValueError, r"^decimal must be one of '\.', ','"),
+        ({"decimal": ",", "delimiter": ","}, ValueError, "^decimal and delimiter are both"),
+        ({"missing": True}, TypeError, "^missing must be numbers or words, got True: type missing"),
+        ({"missing": (None,)}, TypeError, "^missing must be numbers or words"),
+        ({"missing": {}}, TypeError, "^missing must be numbers or words"),
+        ({"skip_lines": -1}, ValueError, "^skip_lines must be 0 or more"),
+        ({"skip_lines": 1.5}, TypeError, "^skip_lines must be a whole number"),
     ],
 )
 def test_wrong_arguments_are_named(
@@ -590,6 +955,9 @@ def swapped(data: bytes, first: int, second: int) -> bytes:
     return b"".join(lines)
 
 
+PIECES = ["0;0\n", "0,25;1,5\n", "0,5;-9\n", "1,000;2,000\n", "0+001 ", "0+002,5;", "1\n", "nan\n"]
+PIECES += ["x [m];z [mm]\n", "Road: A1\n", ";", ",", "1;nan\n", "2,5;\n", "3;1e30\n", "sep=;\n"]
+
 MUTATIONS = st.one_of(
     st.builds(lambda i, new: lambda d: d[:i] + new + d[i + len(new) :], POSITION, BYTES),
     st.builds(lambda i, new: lambda d: d[:i] + new + d[i:], POSITION, BYTES),
@@ -602,7 +970,9 @@ MUTATIONS = st.one_of(
 def outcome(path: Path, **arguments: Any) -> RoadProfile | str:
     """Return the road or the refusal; anything else is an error of the reader."""
     try:
-        return read_profile(path, **arguments)
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", ".* left out|.* passed over, ", UserWarning)
+            return read_profile(path, **arguments)
     except ProfileFileError as error:
         return str(error)
 
@@ -635,19 +1005,28 @@ def test_a_damaged_file_is_read_or_refused_and_the_fast_path_agrees(
 
 @given(
     data=st.binary(max_size=60)
-    | st.text("0123456789.,;-+eE_ \t\r\n#%/xzm[]()naif\x1c\x85\xa0", max_size=80).map(str.encode),
-    units=st.sampled_from([None, "m,mm"]),
-    delimiter=st.sampled_from([None, ",", " "]),
-    columns=st.sampled_from([(0, 1), (2, 0)]),
+    | st.text("0123456789.,;-+eE_ \t\r\n#%/xzm[]()naif\x1c\x85\xa0", max_size=80).map(str.encode)
+    | st.lists(st.sampled_from(PIECES), max_size=16).map(lambda words: "".join(words).encode()),
+    arguments=st.fixed_dictionaries(
+        {},
+        optional={
+            "units": st.just("m,mm"),
+            "delimiter": st.sampled_from([",", " ", ";"]),
+            "columns": st.sampled_from([(0, 1), (2, 0)]),
+            "decimal": st.sampled_from([",", "."]),
+            "missing": st.sampled_from([-9, "nan", "", (0, "e", 1e30)]),
+            "skip_lines": st.just(1),
+        },
+    ).filter(lambda given: not given.get("decimal") == given.get("delimiter") == ","),
 )
 @settings(max_examples=300, deadline=None)
 def test_any_bytes_are_read_or_refused_and_the_fast_path_agrees(
-    data: bytes, units: str | None, delimiter: str | None, columns: tuple[int, int]
+    data: bytes, arguments: dict[str, Any]
 ) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "road.txt")
         path.write_bytes(data)
-        assert_read_or_refused(path, units=units, delimiter=delimiter, columns=columns)
+        assert_read_or_refused(path, **arguments)
 
 
 @pytest.mark.parametrize(

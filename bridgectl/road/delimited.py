@@ -2,29 +2,51 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from bridgectl._checks import FloatArray
 
+from .counters import passing_columns, require_elevations
+from .dialect import (
+    CHAINAGE_DIGITS,
+    COMMA,
+    chainage_digits,
+    decimal_mark,
+    delimiter_in,
+    has_comma_twice,
+    is_numeric,
+    is_one_column,
+)
+from .header import (
+    Columns,
+    Header,
+    Preamble,
+    columns_of,
+    headers,
+    is_complete,
+    make_header,
+    n_names,
+    read_preamble,
+    states_both,
+    tell_skip_lines,
+)
 from .limits import first_unsorted
 from .lines import (
-    COMMENTS,
     DELIMITERS,
     Line,
-    delimiter_of,
+    ahead,
     is_blank,
     is_comment,
     passing,
-    printable,
     quoted,
     refusal,
     split,
     wrong_separator,
 )
+from .missing import marker_station
 from .profile import RoadProfile
 from .table import Layout, Table, read_table
 from .tracks import (
@@ -33,150 +55,118 @@ from .tracks import (
     UNITS,
     Pick,
     Request,
+    Track,
     even_stations,
+    make_roads,
     odd_step,
-    require_gentle_track,
-    widest_gap,
+    require_no_gap,
 )
 
-_NUMBER_LIKE = re.compile(r"[+-]?(\.?\d|(nan|inf|infinity)$)", re.IGNORECASE)
-_KNOWN = "|".join(UNITS)
-_BRACKETED = rf"[\[(]\s*({_KNOWN})\s*[\])]"
-_UNIT = re.compile(rf"""(?:{_BRACKETED}|_({_KNOWN}))["']?\s*$""")
-
-
-@dataclass(frozen=True)
-class _Header:
-    """What one line says of the columns."""
-
-    line: int = 0
-    names: tuple[str, ...] = ()
-    units: tuple[str | None, ...] = ()
-
-    def unit(self, column: int) -> str | None:
-        return self.units[column] if self.units else None
-
-    def label(self, column: int) -> str:
-        return self.names[column] if self.names else ""
-
-
-@dataclass(frozen=True)
-class _Columns:
-    """Which columns hold what; no station where the steps are equal and told by the caller."""
-
-    station: int | None
-    elevations: tuple[int, ...]
+PEEK = 1000  # lines that show how the numbers are written
 
 
 def read_delimited(
     file: str, texts: Iterator[str], request: Request, pick: Pick
 ) -> list[RoadProfile]:
     """Return the tracks wanted of a file of delimited text."""
-    header, comment, first = _preamble(file, texts)
-    delimiter = request.delimiter or delimiter_of(first[1])
+    head, texts = ahead(texts, PEEK)
+    preamble = read_preamble(file, texts, head, request)
+    first = preamble.first
+    rows = [first, *_rows(head, first[0])]
+    delimiter = _delimiter(file, rows, preamble, request)
     width = len(split(first[1], delimiter))
-    named, stating = _headers(header, comment, width, request)
-    columns = _columns(request, stating, width)
-    _require_columns(file, columns, delimiter, width, first)
+    named, stating = headers(preamble, width, delimiter, request)
+    columns = columns_of(request, stating)
+    _require_numbers(file, first, delimiter, request)
+    _require_columns(file, columns, delimiter, width, first, request)
     units = _units(file, columns, stating, request)
     picked = pick([named.label(column) for column in columns.elevations])
-    stations = () if columns.station is None else (columns.station,)
-    wanted = (*stations, *(columns.elevations[i] for i, _ in picked))
-    table = read_table(Layout(file, wanted, delimiter, width), first, texts)
+    wanted = Columns(columns.station, tuple(columns.elevations[i] for i, _ in picked))
+    layout = _layout(file, rows, delimiter, wanted, units[0], request)
+    table = read_table(layout, first, texts)
     if table.values.shape[1] < 2:
         fault = "only one line of numbers: a road needs two or more"
         raise refusal(file, fault, first[0])
+    if request.columns is None and not (request.step is None and states_both(stating, wanted)):
+        label = named.label(0) if named.names else None
+        require_elevations(file, wanted, table.values, width, request.step, label)
+    if layout.chainage == CHAINAGE_DIGITS["m"]:
+        units = ("m", *units[1:])  # also where "km" tells what stands before the plus
     x = _stations(file, table, request, units)
-    roads = []
-    for z, (i, name) in zip(table.values[len(stations) :], picked, strict=True):
-        unit = units[1 + i]
-        z *= UNITS[unit]
-        require_gentle_track(file, x, z, table.line, unit, _remedy(units[0], unit))
-        # Checked already, with the line of the file, and copies would double the memory.
-        roads.append(RoadProfile._trusted(x, z, name))
-    return roads
+    tracks = [
+        Track(name, z, units[1 + i], _remedy(units[0], units[1 + i]))
+        for z, (i, name) in zip(table.values[layout.stations :], picked, strict=True)
+    ]
+    return make_roads(file, x, tracks, table.line, request)
 
 
-def _preamble(file: str, texts: Iterator[str]) -> tuple[Line | None, Line | None, Line]:
-    """Return the header, the last comment, and the first line of numbers."""
-    header: Line | None = None
-    comment: Line | None = None
-    empty = True
-    for line, text in enumerate(texts, 1):
-        if is_blank(text):
-            continue
-        empty = False
-        if is_comment(text):
-            comment = (line, text.lstrip().lstrip("".join(COMMENTS)))
-        elif header is None and _names_columns(text):
-            header = (line, text)
-        else:
-            return header, comment, (line, text)
-    fault = "the file is empty: expected lines of" if empty else "no line of numbers: expected a"
-    raise refusal(file, f"{fault} station and {'' if empty else 'an '}elevation on each line")
+def _rows(head: Sequence[str], first: int) -> Iterator[Line]:
+    """Yield the lines of numbers among the first of a file, after the first of numbers."""
+    for line, text in enumerate(head[first:], first + 1):
+        if not is_blank(text) and not is_comment(text):
+            yield line, text
 
 
-def _names_columns(text: str) -> bool:
-    words = re.split(r"[,;\s\"']+", text)
-    if not any(map(_NUMBER_LIKE.match, words)):
-        return any(c.isalpha() for c in text)
-    # A track may be called 2, the stations not.
-    first_word = text.lstrip(" \t\"'")
-    return re.search(_BRACKETED, text) is not None and not _NUMBER_LIKE.match(first_word)
+def _delimiter(file: str, rows: Sequence[Line], preamble: Preamble, request: Request) -> str:
+    """Return what separates the columns, where that is beyond doubt."""
+    line, text = rows[0]
+    told = request.delimiter or preamble.separator
+    delimiter = told or delimiter_in(text, request.decimal)
+    if delimiter != COMMA:
+        return delimiter
+    if request.decimal == COMMA:  # of a line sep=,
+        fault = "commas cannot separate columns and be decimal marks"
+        raise refusal(file, f'{fault}: pass delimiter=";" (--delimiter ";") or no decimal', line)
+    if request.decimal is not None or request.columns is not None:
+        return delimiter
+    width, names = len(split(text, COMMA)), n_names(preamble.header)
+    if names == width or make_header(preamble.comment, width, COMMA).lengths:
+        return delimiter
+    if has_comma_twice(rows, names, bool(make_header(preamble.header, names, COMMA).lengths)):
+        fault = f"commas may separate columns or be decimal marks in {quoted(text)}"
+        advice = "save the file with semicolons between columns, or with decimal points"
+        remedy = f"{advice}; {passing('columns')} if they separate columns"
+        raise refusal(file, f"{fault}: {remedy}", line)
+    if told is None and request.step is not None and is_one_column(rows):
+        if any(is_complete(make_header(about, 1, " "), request) for about in preamble.above):
+            return " "  # for that is about one column
+        advice = 'pass decimal="," (--decimal ,) or columns=(0,) (--columns 0)'
+        fault = f"{quoted(text)} may be one number with a decimal comma or two"
+        raise refusal(file, f"{fault}: {advice}", line)
+    return delimiter
 
 
-def _headers(
-    header: Line | None, comment: Line | None, width: int, request: Request
-) -> tuple[_Header, _Header]:
-    """Return what names the columns and what states their units, often one line.
-
-    A comment counts only if it states what is needed: it may be about anything.
-    """
-    named, remark = _header(header, width), _header(comment, width)
-    stating = named
-    if not _is_complete(named, request) and _is_complete(remark, request):
-        stating = remark
-    return (named if named.names else stating), stating
-
-
-def _header(line: Line | None, width: int) -> _Header:
-    if line is None:
-        return _Header()
-    by_mark = re.split("[,;\t]", line[1])
-    by_space = re.findall(r"[^\s\[(]+\s*(?:[\[(][^\])]*[\])])?", line[1])
-    names = by_mark if len(by_mark) == width else by_space
-    if len(names) != width:
-        return _Header()
-    found = [_UNIT.search(name) for name in names]
-    labels = [name[: m.start()] if m else name for name, m in zip(names, found, strict=True)]
-    return _Header(
-        line[0],
-        tuple(printable(label.strip(" \t\"'")) for label in labels),
-        tuple(m and (m[1] or m[2]) for m in found),
+def _layout(
+    file: str,
+    rows: Sequence[Line],
+    delimiter: str,
+    wanted: Columns,
+    unit: str,
+    request: Request,
+) -> Layout:
+    """Return how the numbers stand on the lines, as the first of them show."""
+    width, stations = len(split(rows[0][1], delimiter)), 0 if wanted.station is None else 1
+    plain = Layout(file, wanted.all, delimiter, width, stations=stations, missing=request.missing)
+    return replace(
+        plain,
+        decimal=request.decimal or decimal_mark(file, rows, delimiter, wanted.all),
+        chainage=chainage_digits(file, rows[0], delimiter, wanted.station, unit),
     )
 
 
-def _is_complete(header: _Header, request: Request) -> bool:
-    columns = _columns(request, header, len(header.units))
-    stated = [header.unit(column) for column in range(len(header.units))]
-    place = columns.station
-    return any(stated[c] for c in columns.elevations if c < len(stated)) and (
-        place is None or (place < len(stated) and stated[place] is not None)
-    )
+def _require_numbers(file: str, first: Line, delimiter: str, request: Request) -> None:
+    """Refuse words where the numbers should begin."""
+    line, text = first
+    words = any(c.isalpha() for c in text) and not any(map(is_numeric, split(text, delimiter)))
+    if words and request.missing is None:
+        fault = "expected a finite number in each column, or their names and units, found"
+        advice = f"correct or remove the line, or {tell_skip_lines(line)}"
+        raise refusal(file, f"{fault} {quoted(text)}: {advice}", line)
 
 
-def _columns(request: Request, stating: _Header, width: int) -> _Columns:
-    """Return the columns asked for, or else those that the file gives a unit of length."""
-    given = request.columns
-    if request.step is not None:
-        stated = tuple(c for c in range(width) if stating.unit(c))
-        return _Columns(None, given or stated or (0,))
-    if given is not None:
-        return _Columns(given[0], given[1:])
-    return _Columns(0, tuple(c for c in range(1, width) if stating.unit(c)) or (1,))
-
-
-def _require_columns(file: str, columns: _Columns, delimiter: str, width: int, first: Line) -> None:
+def _require_columns(
+    file: str, columns: Columns, delimiter: str, width: int, first: Line, request: Request
+) -> None:
     last = max(*columns.elevations, columns.station or 0)
     if last < width:
         return
@@ -186,24 +176,38 @@ def _require_columns(file: str, columns: _Columns, delimiter: str, width: int, f
     )
     if columns.station is not None:
         missing += ", or step= (--step) if there are no stations"
-    raise refusal(file, wrong_separator(first[1], delimiter) or missing, first[0])
+    other = "" if request.decimal == COMMA else wrong_separator(first[1], delimiter)
+    raise refusal(file, other or missing, first[0])
 
 
-def _units(file: str, columns: _Columns, stating: _Header, request: Request) -> tuple[str, ...]:
+def _units(file: str, columns: Columns, stating: Header, request: Request) -> tuple[str, ...]:
     """Return the unit of the stations and of each column of elevations."""
     asked = _asked(file, request)
     places = (columns.station, *columns.elevations)
+    numbered = _point_number_first(columns, stating, request)
     stated = ["m" if c is None else stating.unit(c) for c in places]
     wished = [asked[min(i, 1)] for i in range(len(places))]
     if any(s and w and s != w for s, w in zip(stated, wished, strict=True)):
         shown = stated if columns.station is not None else stated[1:]
         advice = "these" if len({*stated[1:]}) == 1 else "none"
-        fault = f"the units stated here are {','.join(s or '?' for s in shown)}: pass {advice}"
-        raise refusal(file, f"{fault} or correct this line", stating.line)
+        fault = f"the units stated here are {','.join(s or '?' for s in shown)}: "
+        advice = numbered or f"pass {advice} or correct this line"
+        raise refusal(file, fault + advice, stating.line)
     units = tuple(s or w for s, w in zip(stated, wished, strict=True))
     if not all(units):
-        raise refusal(file, f"the file does not state its units: {_tell_units(request)}")
+        fault = f"the file does not state its units: {numbered or _tell_units(request)}"
+        raise refusal(file, fault, stating.line if numbered else None)
     return tuple(unit for unit in units if unit)
+
+
+def _point_number_first(columns: Columns, stating: Header, request: Request) -> str:
+    """Tell what to pass where a header states no unit for the first column, but for two others."""
+    if columns.station is None or request.columns is not None:
+        return ""
+    if 0 in stating.lengths or len(stating.lengths) < 2:
+        return ""
+    first = f"column 0 has none ({quoted(stating.label(0))})"
+    return f"{first}, {passing_columns(stating.lengths)} for those that have"
 
 
 def _asked(file: str, request: Request) -> tuple[str | None, str | None]:
@@ -228,14 +232,17 @@ def _stations(file: str, table: Table, request: Request, units: tuple[str, ...])
     if request.step is not None:
         return even_stations(0.0, request.step, table.values.shape[1])
     x: FloatArray = table.values[0]
+    i = first_unsorted(x)
+    if i is not None and (j := marker_station(x, i)) is not None:
+        fault = f"the station {x[j]:.12g} {units[0]} looks like the marker of a missing one"
+        raise refusal(file, f"{fault}: correct or remove the line", table.line(j))
     x *= UNITS[units[0]]
-    if (i := first_unsorted(x)) is not None:
+    if i is not None:
         raise refusal(file, _disorder(x, i, table), table.line(i))
     step = float(np.median(np.diff(x)))
     if odd_step(step):
         raise refusal(file, _odd_unit(step, units))
-    if (i := widest_gap(x)) is not None:
-        raise refusal(file, _gap(x, i, step, table), table.line(i))
+    require_no_gap(file, x, table.line)
     return x
 
 
@@ -257,14 +264,6 @@ def _odd_unit(step: float, units: tuple[str, ...]) -> str:
         f"the stations in {units[0]} have a median {odd_step(step)}: "
         f'pass units="UNIT,{units[1]}" (--units UNIT,{units[1]}) with the unit they are in, which '
         f"may be {' or '.join(fitting) or none}"
-    )
-
-
-def _gap(x: FloatArray, i: int, step: float, table: Table) -> str:
-    return (
-        f"station {x[i]:.10g} m comes {x[i] - x[i - 1]:.6g} m after {x[i - 1]:.10g} m on line "
-        f"{table.line(i - 1)}, where the median step is {step:.4g} m: correct the station, or cut "
-        "the file here and read the part before or after the gap"
     )
 
 

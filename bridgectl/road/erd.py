@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from .lines import Line, delimiter_of, is_blank, number, printable, quoted, refusal, split
 from .profile import RoadProfile
 from .table import Layout, Table, read_table
-from .tracks import TELL_UNITS, UNITS, Pick, Request, even_stations, odd_step, require_gentle_track
+from .tracks import TELL_UNITS, UNITS, Pick, Request, Track, even_stations, make_roads, odd_step
 
 SIGNATURE = "ERDFILEV"
 WIDTH = 8  # characters of a keyword, and of each channel's short name and unit
@@ -79,7 +79,7 @@ class _Header:
 
 def read_erd(file: str, texts: Iterator[str], request: Request, pick: Pick) -> list[RoadProfile]:
     """Return the tracks wanted of an ERD file."""
-    request.require_nothing_but_units(file, "an ERD file")
+    request.require_nothing_but_units(file, "an ERD file", "missing")
     header = _header(file, texts)
     n_channels, n_samples = header.whole("NCHAN", 1), header.whole("NSAMP", 2)
     first = _first_row(header, n_channels, texts)
@@ -88,18 +88,17 @@ def read_erd(file: str, texts: Iterator[str], request: Request, pick: Pick) -> l
     origin, step = _stations(header, station)
     picked = pick([header.label(channel) for channel in channels])
     wanted = tuple(channels[i] for i, _ in picked)
-    layout = Layout(file, wanted, delimiter_of(first[1]), n_channels, comments=False)
+    mark = delimiter_of(first[1])
+    layout = Layout(file, wanted, mark, n_channels, comments=False, missing=request.missing)
     table = read_table(layout, first, texts)
     _require_all(header, table, n_samples)
     x = even_stations(origin, step, n_samples)
-    roads = []
-    for z, (i, name) in zip(table.values, picked, strict=True):
-        z *= UNITS[elevations[i]]
-        remedy = "correct it, or the unit in UNITSNAM or XUNITS"
-        require_gentle_track(file, x, z, table.line, elevations[i], remedy)
-        # Checked already, with the line of the file, and copies would double the memory.
-        roads.append(RoadProfile._trusted(x, z, name))
-    return roads
+    remedy = "correct it, or the unit in UNITSNAM or XUNITS"
+    tracks = [
+        Track(name, z, elevations[i], remedy)
+        for z, (i, name) in zip(table.values, picked, strict=True)
+    ]
+    return make_roads(file, x, tracks, table.line, request)
 
 
 def _header(file: str, texts: Iterator[str]) -> _Header:

@@ -40,6 +40,9 @@ BANDS_PER_OCTAVE = 3
 
 CLASSES = "ABCDEFGH"
 
+UNMEASURED = (1e-11, 1e3 * np.finfo(float).eps)
+"""Heights [m], and parts of the largest elevation, that no road has but round-off may make."""
+
 
 def class_roughness(iso_class: str, level: str = "mean") -> float:
     """Return G_d(n_0) [m^3] of an ISO 8608 class: its geometric mean, or its limits.
@@ -123,6 +126,8 @@ class RoadPsd:
         Number of independent stretches of road that each density averages.
     name : str
         Label for plots.
+    round_off : float
+        Density [m^3] below which the spectrum may be one of round-off.
 
     Examples
     --------
@@ -135,6 +140,7 @@ class RoadPsd:
     density: FloatArray
     averages: float
     name: str = ""
+    round_off: float = 0.0
 
     def __repr__(self) -> str:
         n = self.wavenumber
@@ -166,7 +172,7 @@ class RoadPsd:
         ------
         ValueError
             If fewer than two third octaves of the spectrum lie in the band, or one of them is
-            empty, as a level road's are.
+            empty, as a level road's are, but for round-off.
 
         References
         ----------
@@ -202,7 +208,7 @@ class RoadPsd:
         held = count > 0
         count = count[held]
         mean = np.bincount(which, density)[held] / count
-        if not mean.all():
+        if np.any(mean <= self.round_off):
             raise ValueError(
                 f"the road has no waves in a part of {band[0]:g} to {band[1]:g} cycles/m: a line "
                 "needs some everywhere in its band"
@@ -259,4 +265,8 @@ def road_psd(
     x: FloatArray, elevation: FloatArray, segment: float | None, window: str, name: str
 ) -> RoadPsd:
     """Spectrum of one road; see `RoadProfile.psd`."""
-    return RoadPsd(*elevation_psd(elevation, even_step(x, "PSD"), segment, window), name)
+    step = even_step(x, "PSD")
+    n, density, averages = elevation_psd(elevation, step, segment, window)
+    height = max(UNMEASURED[0], UNMEASURED[1] * float(np.abs(elevation).max()))
+    # White noise of this height, and so of a variance of a twelfth of its square, as of rounding.
+    return RoadPsd(n, density, averages, name, round_off=step * height**2 / 6)

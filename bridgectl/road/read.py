@@ -8,17 +8,22 @@ and what to type instead.
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from bridgectl import _checks as check
 
 from . import lines
 from .crg import MARK, read_crg
 from .delimited import read_delimited
+from .dialect import COMMA, POINT
 from .erd import SIGNATURE, read_erd
 from .lines import DELIMITERS
+from .missing import known_missing
+from .packed import SUFFIX, unpacked, unpacked_copy
 from .profile import RoadProfile
 from .tracks import STEPS, Pick, Request, known_units, track_index, track_names
 
@@ -34,22 +39,28 @@ def read_profile(
     columns: Sequence[int] | None = None,
     delimiter: str | None = None,
     step: float | None = None,
+    decimal: str | None = None,
+    missing: float | str | Sequence[float | str] | None = None,
+    skip_lines: int | None = None,
     track: str | int | None = None,
     name: str | None = None,
 ) -> RoadProfile:
     r"""Return one road profile of a file: delimited text, ERD text or OpenCRG.
 
-    The content tells the format, whatever the name of the file. In delimited text, numbers are
-    separated by commas, semicolons, tabs or white space, with a decimal point. Blank lines and
-    lines that begin with ``#``, ``%`` or ``//`` are skipped, and one line may name the columns
-    before the first numbers. Elevations are positive up; stations increase. OpenCRG files need the
-    package that ``pip install "bridgectl[crg]"`` brings; their stations are the u along the
-    reference line.
+    The content tells the format, whatever the name of the file, which gzip may have packed. In
+    delimited text, numbers are separated by commas, semicolons, tabs or white space, with a decimal
+    point, or a decimal comma where the first lines leave no doubt of it. Blank lines and lines
+    that begin with ``#``, ``%`` or ``//`` are skipped, and one line may name the columns before the
+    first numbers; a line ``sep=;`` before all others, as spreadsheets write it, is understood.
+    Stations may be chainages, ``12+345.6`` for 12345.6 m or ``12+34.5`` for 1234.5 ft. Elevations
+    are positive up; stations increase. OpenCRG files need the package that
+    ``pip install "bridgectl[crg]"`` brings; their stations are the u along the reference line.
 
     Parameters
     ----------
     path : str or path-like
-        The file; text is UTF-8.
+        The file. Text is UTF-8, or what a byte order mark says, as UTF-16; words, but no numbers,
+        may hold letters of Latin-1.
     units : str or sequence of str, optional
         Station and elevation unit, ``"m,mm"`` or ``("m", "mm")``, out of m, mm, cm, km, ft, in and
         mil; the elevation unit alone, ``"mm"``, with `step`. May be omitted when the file states
@@ -65,6 +76,17 @@ def read_profile(
         numbers if omitted.
     step : float, optional
         Distance [m] between the lines of delimited text without stations, which then start at 0.
+    decimal : {".", ","}, optional
+        The decimal mark of delimited text. Found from the first lines if omitted, unless they can
+        be read in two ways: ``1,25`` between commas, or ``1,234`` alone.
+    missing : float, str or sequence of them, optional
+        Numbers in the unit of the column, as -999, and words, as "nan", or "" for nothing, that
+        stand for missing readings in the elevations of delimited text or ERD. These readings are
+        left out of their track. If omitted, -999, 9999, -32768 and the like are refused where the
+        neighbours are unlike them; ``()`` takes all numbers as elevations.
+    skip_lines : int, optional
+        How many lines at the top of delimited text say nothing of the road, whatever they hold.
+        If omitted, lines above one that names columns and their units are passed over.
     track : str or int, optional
         Which elevations of a file of several, by their label (in any case) or counted from 0. The
         first if omitted; the name of the road then tells which that is. Labels are the names of
@@ -86,6 +108,11 @@ def read_profile(
     TypeError, ValueError
         If an argument is not what is described above.
 
+    Warns
+    -----
+    UserWarning
+        If missing readings were left out, with the widest gap, or lines at the top passed over.
+
     Examples
     --------
     >>> import pathlib, tempfile
@@ -95,9 +122,20 @@ def read_profile(
     ...     read_profile(path)
     RoadProfile('lane left', 3 points, x from 0 m to 0.2 m, elevation from 0 m to 0.003 m,
     step 0.1 m)
+
+    A file of a spreadsheet in Europe, with a line of its own at the top, in which the third reading
+    is missing; of which Python would warn, with the gap of 0.2 m, if it were not told to be silent:
+
+    >>> import warnings
+    >>> text = "Road;A1\nx [m];z [mm]\n0,0;0,5\n0,1;1,5\n0,2;-999\n0,3;1,0\n"
+    >>> with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(action="ignore"):
+    ...     path = pathlib.Path(folder, "lane.csv")
+    ...     _ = path.write_text(text)
+    ...     read_profile(path, decimal=",", missing=-999, skip_lines=1).x.tolist()
+    [0.0, 0.1, 0.3]
     """
     file = _checked_path(path)
-    request = _request(file, units, columns, delimiter, step)
+    request = _request(file, units, columns, delimiter, step, decimal, missing, skip_lines)
     if isinstance(track, bool) or not isinstance(track, str | int | None):
         raise TypeError(f"track must be a label or a whole number, got {track!r}: type track=0")
     stem = _stem(file, name)
@@ -116,13 +154,16 @@ def read_tracks(
     columns: Sequence[int] | None = None,
     delimiter: str | None = None,
     step: float | None = None,
+    decimal: str | None = None,
+    missing: float | str | Sequence[float | str] | None = None,
+    skip_lines: int | None = None,
     name: str | None = None,
 ) -> list[RoadProfile]:
     r"""Return all road profiles of a file: the left and right wheel track, for example.
 
     Parameters
     ----------
-    path, units, columns, delimiter, step
+    path, units, columns, delimiter, step, decimal, missing, skip_lines
         See `read_profile`.
     name : str, optional
         What the names of the roads begin with; the file name without its suffix if omitted. The
@@ -138,6 +179,11 @@ def read_tracks(
     ProfileFileError, TypeError, ValueError
         See `read_profile`.
 
+    Warns
+    -----
+    UserWarning
+        See `read_profile`; also if a track misses so many readings that it is left out.
+
     Examples
     --------
     >>> import pathlib, tempfile
@@ -148,7 +194,7 @@ def read_tracks(
     ['lane left', 'lane right']
     """
     file = _checked_path(path)
-    request = _request(file, units, columns, delimiter, step)
+    request = _request(file, units, columns, delimiter, step, decimal, missing, skip_lines)
     stem = _stem(file, name)
     return _read(file, request, lambda labels: track_names(stem, labels))
 
@@ -177,16 +223,22 @@ def utia_road() -> RoadProfile:
 
 
 def _read(file: str, request: Request, pick: Pick) -> list[RoadProfile]:
-    """Read a file as what its content says it is."""
-    with lines.opened(file) as handle:
+    """Read a file as what its content says it is, and warn the caller of what it says besides."""
+    with lines.opened(file) as opened:
+        handle = unpacked(file, opened)
         head = lines.read(file, handle, HEAD)
         handle.seek(0)
         if MARK.search(head):
-            return read_crg(file, request, pick)
-        texts = lines.text_lines(file, handle)
-        if head.removeprefix(b"\xef\xbb\xbf").startswith(SIGNATURE.encode()):
-            return read_erd(file, texts, request, pick)
-        return read_delimited(file, texts, request, pick)
+            with unpacked_copy(file, handle, request.remarks) as copy:
+                roads = read_crg(copy, request, pick)
+        else:
+            encoding = lines.encoding_of(head)
+            texts = lines.text_lines(file, handle, encoding)
+            is_erd = head.decode(encoding, "replace").startswith(SIGNATURE)
+            roads = (read_erd if is_erd else read_delimited)(file, texts, request, pick)
+    for remark in request.remarks:
+        warnings.warn(remark, UserWarning, stacklevel=3)
+    return roads
 
 
 def _checked_path(path: str | os.PathLike[str]) -> str:
@@ -198,7 +250,7 @@ def _checked_path(path: str | os.PathLike[str]) -> str:
 def _stem(file: str, name: str | None) -> str:
     if not isinstance(name, str | None):
         raise TypeError(f'name must be a string, got {name!r}: type for example name="A1 east"')
-    return Path(file).stem if name is None else name
+    return Path(file.removesuffix(SUFFIX)).stem if name is None else name
 
 
 def _request(
@@ -207,14 +259,31 @@ def _request(
     columns: Sequence[int] | None,
     delimiter: str | None,
     step: float | None,
+    decimal: str | None,
+    missing: Any,
+    skip_lines: int | None,
 ) -> Request:
     """Return what the caller says of the file, once it makes sense."""
     if step is not None and not STEPS[0] <= check.positive("step", step, unit="m") <= STEPS[1]:
         raise ValueError(f"step must be {STEPS[0]:g} m to {STEPS[1]:g} m, got {step:g}")
     if delimiter is not None:
         check.choice("delimiter", delimiter, tuple(DELIMITERS))
+    if decimal is not None:
+        check.choice("decimal", decimal, (POINT, COMMA))
+    if decimal == delimiter == COMMA:
+        raise ValueError('decimal and delimiter are both ",": type delimiter=";" or decimal="."')
+    if skip_lines is not None:
+        check.integer("skip_lines", skip_lines, at_least=0)
     wanted = None if columns is None else _checked_columns(columns, 2 if step is None else 1)
-    return Request(known_units(file, units), wanted, delimiter, step)
+    return Request(
+        known_units(file, units),
+        wanted,
+        delimiter,
+        step,
+        decimal,
+        skip_lines,
+        None if missing is None else known_missing(missing),
+    )
 
 
 def _checked_columns(columns: Sequence[int], at_least: int) -> tuple[int, ...]:

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 
+from .dialect import COMMA, POINT, odd_mark, without_plus
 from .lines import (
     LARGEST,
     Line,
+    byte_in,
     is_blank,
     is_comment,
-    is_number,
     number,
     passing,
     quoted,
@@ -25,6 +26,7 @@ from .lines import (
     split,
     wrong_separator,
 )
+from .missing import Missing
 
 BLOCK = 4096  # lines converted at once
 
@@ -41,16 +43,43 @@ class Layout:
     """How many columns there are."""
     comments: bool = True
     """Whether lines may be comments, and the caller may name the delimiter."""
+    decimal: str = POINT
+    stations: int = 0
+    """How many of the wanted columns, the first ones, hold stations."""
+    chainage: int = 0
+    """How many digits follow the plus of stations like 12+345.6; 0 for plain ones."""
+    missing: Missing | None = None
+    """What elevations are missing; they become NaN."""
 
     def numbers(self, line: int, text: str) -> tuple[float, ...]:
         """Return the wanted numbers of one line, in the units of the file."""
         fields = split(text, self.delimiter)
         if len(fields) == self.width:
             try:
-                return tuple(number(fields[column]) for column in self.columns)
+                return tuple(
+                    self._number(fields[column], place) for place, column in enumerate(self.columns)
+                )
             except ValueError:
                 pass
         raise refusal(self.file, self._fault(text, fields), line)
+
+    def _number(self, field: str, place: int) -> float:
+        try:
+            return number(self._plain_field(field, place))
+        except ValueError:
+            if place >= self.stations and self.missing and self.missing.marks(field):
+                return np.nan
+            raise
+
+    def _plain_field(self, field: str, place: int) -> str:
+        """Return a number of any dialect as `float` understands it."""
+        if self.decimal == COMMA:
+            if POINT in field:
+                raise ValueError(field)
+            field = field.replace(COMMA, POINT)
+        if self.chainage and place < self.stations:
+            field = without_plus(field, self.chainage)
+        return field
 
     def rows(self, line: int, texts: list[str]) -> tuple[NDArray[np.int_], FloatArray]:
         """Return the lines and the numbers, shape (n, columns), of consecutive lines."""
@@ -71,7 +100,10 @@ class Layout:
         # Faster than `numbers` and stricter: None wherever the two might disagree.
         if not all(texts) or any(map(str.isspace, texts)) or not all(map(str.isascii, texts)):
             return None
+        if self.comments and 0 not in self.columns and any(map(is_comment, texts)):
+            return None
         try:
+            texts = self._plain_texts(texts)
             if self.delimiter == " ":
                 table = np.loadtxt(texts, comments=None, ndmin=2)
                 fits = table.shape == (len(texts), self.width)
@@ -86,18 +118,46 @@ class Layout:
         fits = fits and table.shape == (len(texts), len(self.columns))
         return table if fits and np.all(np.abs(table) < LARGEST) else None
 
+    def _plain_texts(self, texts: list[str]) -> list[str]:
+        if self.decimal == COMMA:
+            joined = "\n".join(texts)
+            if POINT in joined:
+                raise ValueError
+            texts = joined.replace(COMMA, POINT).split("\n")
+        if self.chainage:
+            mark = None if self.delimiter == " " else self.delimiter
+            rows = [text.split(mark) for text in texts]
+            for row in rows:
+                row[self.columns[0]] = without_plus(row[self.columns[0]], self.chainage)
+            texts = list(map(self.delimiter.join, rows))
+        return texts
+
     def _fault(self, text: str, fields: list[str]) -> str:
-        if fault := wrong_separator(text, self.delimiter):
+        whole = len(fields) == self.width
+        for word in (fields[column] for column in self.columns if column < len(fields)):
+            if fault := byte_in(word) or (self.comments and whole and odd_mark(word, self.decimal)):
+                return fault
+        plain = text.replace(COMMA, POINT) if self.decimal == COMMA else text
+        if fault := wrong_separator(plain, self.delimiter):
             advised = self.comments and fault.endswith("throughout")
             return f"{fault}, or {passing('delimiter')}" if advised else fault
         if len(fields) != self.width:
             return f"expected {self.width} columns, found {len(fields)}: correct or remove the line"
-        column = next(c for c in self.columns if not is_number(fields[c]))
+        place = next(i for i, c in enumerate(self.columns) if not self._holds(fields[c], i))
+        column = self.columns[place]
         word = fields[column].strip()
         found = quoted(word) if word else "nothing"
-        fault = f"expected a finite number in column {column} (counted from 0), found {found}"
+        what = "chainage" if self.chainage and place < self.stations else "finite number"
+        fault = f"expected a {what} in column {column} (counted from 0), found {found}"
         comment = ", or begin it with # if it is a comment" if self.comments else ""
         return f"{fault}: correct or remove the line{comment}"
+
+    def _holds(self, field: str, place: int) -> bool:
+        try:
+            self._number(field, place)
+        except ValueError:
+            return False
+        return True
 
 
 @dataclass

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 
 from .limits import MAX_SLOPE, first_too_steep
-from .lines import passing, quoted, refusal
+from .lines import ProfileFileError, passing, quoted, refusal
+from .missing import Missing, absent, require_no_marker
+from .profile import RoadProfile
 
 UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "ft": 0.3048, "in": 0.0254, "mil": 2.54e-5}
 MAX_GAP = 5.0  # [m]; a straight line over more hides bumps that a vehicle would feel
@@ -35,12 +38,18 @@ class Request:
     columns: tuple[int, ...] | None = None
     delimiter: str | None = None
     step: float | None = None
+    decimal: str | None = None
+    skip_lines: int | None = None
+    missing: Missing | None = None
+    remarks: list[str] = field(default_factory=list)
+    """What the caller is to be warned of, once the file is read."""
 
-    def require_nothing_but_units(self, file: str, kind: str) -> None:
+    def require_nothing_but_units(self, file: str, kind: str, *but: str) -> None:
         """Refuse arguments that only delimited text can need."""
-        names = [n for n in ("columns", "delimiter", "step") if getattr(self, n) is not None]
+        text_only = ("columns", "delimiter", "step", "decimal", "skip_lines", "missing")
+        names = [n for n in text_only if n not in but and getattr(self, n) is not None]
         if names:
-            options = " and ".join(f"{name}= (--{name})" for name in names)
+            options = " and ".join(f"{name}= (--{name.replace('_', '-')})" for name in names)
             raise refusal(file, f"{kind} states this itself: leave out {options}")
 
 
@@ -87,6 +96,89 @@ def listed(labels: Sequence[str], most: int = 20) -> str:
     return ", ".join(words) + (", ..." if len(labels) > most else "")
 
 
+@dataclass(frozen=True)
+class Track:
+    """The elevations of one track, as a file has them."""
+
+    name: str
+    z: FloatArray
+    unit: str
+    remedy: str
+    """What to do if they are too steep."""
+
+
+def make_roads(
+    file: str,
+    x: FloatArray,
+    tracks: Sequence[Track],
+    line: Callable[[int], int],
+    request: Request,
+) -> list[RoadProfile]:
+    """Return the roads of tracks at stations [m], without missing readings.
+
+    Of several tracks, those that miss too many readings are left out, and the caller is told.
+    """
+    roads, faults = [], []
+    for track in tracks:
+        rows, told = None, len(request.remarks)
+        try:
+            rows = _present_rows(file, x, track, line, request)
+        except ProfileFileError as fault:
+            faults.append(fault)
+            request.remarks[told:] = [f"{fault}; {track.name} is left out"]
+            continue
+        roads.append(_make_road(file, x, track, line, rows, request))
+    if not roads:
+        raise faults[0]
+    return roads
+
+
+def _present_rows(
+    file: str, x: FloatArray, track: Track, line: Callable[[int], int], request: Request
+) -> NDArray[np.int_] | None:
+    """Return the rows of the readings that are there, None for all of them."""
+    if not request.missing or not (gone := absent(track.z, request.missing)).any():
+        return None
+    kept, first = np.flatnonzero(~gone), line(int(np.argmax(gone)))
+    if kept.size < 2:
+        fault = f"{track.name}: without the missing readings {kept.size} of {gone.size} are left"
+        raise refusal(file, f"{fault}: a road needs two or more", first)
+    request.remarks.append(_absence(file, track.name, gone.size - kept.size, first, x[kept]))
+    require_no_gap(file, x[kept], lambda row: line(int(kept[row])))
+    return kept
+
+
+def _make_road(
+    file: str,
+    x: FloatArray,
+    track: Track,
+    line: Callable[[int], int],
+    rows: NDArray[np.int_] | None,
+    request: Request,
+) -> RoadProfile:
+    z = track.z
+    if rows is not None:
+        x, z = x[rows], z[rows]
+
+    def line_of(row: int) -> int:
+        return line(row if rows is None else int(rows[row]))
+
+    require_no_marker(file, z, track.unit, line_of, request.missing or Missing())
+    z *= UNITS[track.unit]
+    require_gentle_track(file, x, z, line_of, track.unit, track.remedy)
+    # Checked already, with the line of the file, and copies would double the memory.
+    return RoadProfile._trusted(x, z, track.name)
+
+
+def _absence(file: str, name: str, n_missing: int, first: int, x: FloatArray) -> str:
+    i = int(np.argmax(np.diff(x)))
+    readings = "1 missing reading" if n_missing == 1 else f"{n_missing} missing readings"
+    return (
+        f"{file}: {name}: {readings} left out, the first on line {first}; the widest gap is now "
+        f"{x[i + 1] - x[i]:.6g} m, after station {x[i]:.10g} m"
+    )
+
+
 def require_gentle_track(
     file: str,
     x: FloatArray,
@@ -123,6 +215,19 @@ def widest_gap(x: FloatArray) -> int | None:
     widest = int(np.argmax(steps))
     too_wide = steps[widest] > max(MAX_GAP, MAX_GAP_STEPS * float(np.median(steps)))
     return widest + 1 if too_wide else None
+
+
+def require_no_gap(file: str, x: FloatArray, line: Callable[[int], int]) -> None:
+    """Refuse stations with a gap too long for a road."""
+    if (i := widest_gap(x)) is None:
+        return
+    raise refusal(
+        file,
+        f"station {x[i]:.10g} m comes {x[i] - x[i - 1]:.6g} m after {x[i - 1]:.10g} m on line "
+        f"{line(i - 1)}, where the median step is {float(np.median(np.diff(x))):.4g} m: correct "
+        "the station, or cut the file here and read the part before or after the gap",
+        line(i),
+    )
 
 
 def even_stations(start: float, step: float, n: int) -> FloatArray:

@@ -15,6 +15,7 @@ from bridgectl._files import replacing
 from .erd import FREE_TEXT, LONG_WIDTH, SIGNATURE, WIDTH
 from .limits import TOLERANCE, first_too_steep
 from .lines import LARGEST
+from .missing import marker_in
 from .profile import RoadProfile
 from .tracks import even_stations, odd_step, widest_gap
 
@@ -50,7 +51,7 @@ def write_profile(
     ------
     TypeError, ValueError
         If `roads` are no roads, have different stations, stations at uneven steps (ERD only), or
-        stations or slopes that `read_profile` refuses as those of no road.
+        stations, slopes or elevations that `read_profile` refuses as those of no road.
     OSError
         If the file cannot be written.
 
@@ -160,6 +161,11 @@ def _checked_tracks(roads: RoadProfile | Sequence[RoadProfile]) -> Sequence[Road
     for road in tracks:
         if first_too_steep(x, road.elevation) is not None:
             raise ValueError("read_profile would refuse a road steeper than 1 m/m: smooth it")
+        if (i := marker_in(road.elevation)) is not None:
+            raise ValueError(
+                f"read_profile would take the elevation {road.elevation[i]:g} m at {x[i]:.10g} m "
+                "for the marker of a missing one: leave it out, or shift the road by a millimetre"
+            )
         if max(np.abs(x).max(), np.abs(road.elevation).max()) >= LARGEST:
             raise ValueError(f"read_profile would refuse numbers of {LARGEST:g} m and more")
     return tracks
