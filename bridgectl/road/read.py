@@ -20,7 +20,7 @@ from .delimited import read_delimited
 from .erd import SIGNATURE, read_erd
 from .lines import DELIMITERS
 from .profile import RoadProfile
-from .tracks import STEPS, Pick, Request, known_units, track_index, track_names
+from .tracks import STEPS, Pick, Request, known_units, odd_step, track_index, track_names
 
 __all__ = ["read_profile", "read_tracks", "utia_road"]
 
@@ -209,7 +209,7 @@ def _request(
     step: float | None,
 ) -> Request:
     """Return what the caller says of the file, once it makes sense."""
-    if step is not None and not STEPS[0] <= check.positive("step", step, unit="m") <= STEPS[1]:
+    if step is not None and odd_step(check.positive("step", step, unit="m")):
         raise ValueError(f"step must be {STEPS[0]:g} m to {STEPS[1]:g} m, got {step:g}")
     if delimiter is not None:
         check.choice("delimiter", delimiter, tuple(DELIMITERS))
