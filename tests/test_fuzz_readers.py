@@ -137,6 +137,7 @@ def assert_read_or_refused(path: Path, **arguments: Any) -> bool:
     tracks = arguments.pop("track", None)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", ".*: (pyopencrg notes: |left out )")
         try:
             roads = read_tracks(path, **arguments) if tracks is None else []
             roads = roads or [read_profile(path, track=tracks, **arguments)]
