@@ -74,6 +74,7 @@ Measure the tracks of a road file:
                   a road is good, in the sense of Li, OBrien and Gonzalez (2006), below 7 m/km
   G_d(n0), w      line of ISO 8608 through the spectrum: roughness at n0 = 0.1 cycles/m, waviness
   class           ISO 8608 class of that roughness, A to H
+  coarse          measured at steps above one foot: the IRI is too low, and there is no class
 
 FILE is delimited text, ERD text or OpenCRG; all its tracks are measured, or the one of --track.
 Without FILE: a measured road of 544 m that comes with the program.

@@ -252,7 +252,7 @@ def _named_apart(roads: list[bc.RoadProfile], paths: Sequence[Path]) -> list[bc.
     if len(set(names)) == len(names):
         return roads
     return [
-        bc.RoadProfile(road.x, road.elevation, name=str(path))
+        road._measured_as(road.measured_step, str(path))
         for road, path in zip(roads, paths, strict=True)
     ]
 
@@ -266,5 +266,5 @@ def _random_roads(args: argparse.Namespace, span: float) -> list[bc.RoadProfile]
             rng = np.random.default_rng((ord(iso_class), number))
             road = bc.iso8608_profile(iso_class, length, seed=rng, start=-args.approach)
             name = f"class {iso_class}, {number}"
-            found.append(bc.RoadProfile(road.x, road.elevation, name=name))
+            found.append(road._measured_as(road.measured_step, name))
     return found

@@ -21,6 +21,7 @@ from bridgectl.quarter_car import QuarterCar
 from bridgectl.ramps import FeedbackHistories, Histories, superposed
 from bridgectl.response import daf
 from bridgectl.road import RoadProfile
+from bridgectl.road.sampling import COARSE
 from bridgectl.simulation import linear_contact, prepare
 from bridgectl.tire_contact import TireContact
 from bridgectl.vehicle import Vehicle
@@ -119,9 +120,15 @@ class RampSurface:
         ValueError
             If a road does not cover the approach and the bridge, or the elevations do not fit
             the stations.
+
+        Warns
+        -----
+        UserWarning
+            If a road was measured at steps longer than one foot and than a ramp: see
+            `RoadProfile.measured_step`.
         """
         if isinstance(roads, RoadProfile):
-            prepare(self._crossing(), roads, -self.approach)
+            prepare(self._crossing(), roads, -self.approach, pieces=self.ramp_length)
             ramps = roads.ramps(self.ramp_length, start=-self.approach, stop=self.beam.length)
             return np.asarray(ramps.heights / self.ramp_height)
         if isinstance(roads, Sequence) and any(isinstance(road, RoadProfile) for road in roads):
@@ -165,7 +172,9 @@ class RampSurface:
         """
         falls = _checks.array("drops", drops, (len(self.positions),), unit="m")
         x = np.append(self.positions, self.positions[-1] + self.ramp_length)
-        return RoadProfile(x, -np.append(0.0, np.cumsum(falls)), name=name)
+        road = RoadProfile(x, -np.append(0.0, np.cumsum(falls)), name=name)
+        # Its ramps are meant to be straight, whatever their length.
+        return road._measured_as(min(self.ramp_length, COARSE))
 
     @on_one_thread
     def dae(self, roads: Roads) -> FloatArray:
@@ -187,6 +196,11 @@ class RampSurface:
         Raises
         ------
         TypeError, ValueError
+            As `ramps`.
+
+        Warns
+        -----
+        UserWarning
             As `ramps`.
 
         References
@@ -224,6 +238,11 @@ class RampSurface:
         ------
         TypeError, ValueError
             As `ramps`.
+
+        Warns
+        -----
+        UserWarning
+            As `ramps`.
         """
         scales = self.ramps(road)
         if scales.ndim != 1:
@@ -255,6 +274,8 @@ class RampSurface:
         LiftOffWarning
             If a tire leaves the road at some speeds. The crossing is not linear there: they
             are simulated instead.
+        UserWarning
+            As `ramps`.
         """
         scales = self.ramps(roads)
         drops = np.atleast_2d(scales) * self.ramp_height

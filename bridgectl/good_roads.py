@@ -70,7 +70,7 @@ def good_roads() -> tuple[RoadProfile, ...]:
         ("made for the smallest DAF", _extreme(surface, largest=False)),
     ]
     return tuple(
-        RoadProfile(road.x, road.elevation, name=f"{number} {name}")
+        road._measured_as(road.measured_step, f"{number} {name}")
         for number, (name, road) in enumerate(roads, 1)
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,8 @@ from bridgectl.paper import PaperResults
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.road import PsdFit, RoadProfile
 from bridgectl.road.iri import BASE, GOOD
-from bridgectl.road.limits import evenly_spaced
+from bridgectl.road.limits import evenly_spaced, mean_step
+from bridgectl.road.sampling import too_coarse
 
 WIDTH = 100
 """Columns of the tables where there is no terminal to tell."""
@@ -31,6 +32,9 @@ SHOWN_KMH = 10
 
 LARGEST = 10
 """How many ramps are listed."""
+
+MOST_SEGMENTS = 200
+"""How many segments of a road are listed."""
 
 
 @dataclass(frozen=True)
@@ -68,13 +72,26 @@ class TrackMeasures:
     fit: PsdFit | None
 
     @property
-    def good(self) -> bool:
-        """Whether the road is good in the paper's sense."""
-        return self.iri < GOOD
+    def step(self) -> float:
+        """Distance between the stations that were measured [m]."""
+        return max(mean_step(self.road.x), self.road.measured_step)
+
+    @property
+    def good(self) -> bool | None:
+        """Whether the road is good in the paper's sense; None if it is too coarse to tell."""
+        return None if too_coarse(self.step) else self.iri < GOOD
+
+    @property
+    def verdict(self) -> str:
+        """`good` in words."""
+        return {None: "coarse", True: "good", False: "not good"}[self.good]
 
 
 def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
-    """Measure a track; of uneven stations, at even ones no farther apart than 0.25 m."""
+    """Measure a track; of uneven stations, at even ones no farther apart than 0.25 m.
+
+    A track that was measured too coarsely has no class.
+    """
     if not evenly_spaced(road.x):
         step = min(float(np.median(np.diff(road.x))), BASE)
         warnings.warn(
@@ -84,13 +101,13 @@ def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
             stacklevel=2,
         )
         road = road.resample(step)
-    whole = road.x[-1] - road.x[0]
+    whole = road.x[-1] - road.x[0] + mean_step(road.x) / 2  # as `RoadProfile.iri` rounds
     segments = road.iri(segment) if whole >= check.positive("segment", segment) else np.array([])
+    track = TrackMeasures(road, road.iri(), segments, None)
     try:
-        fit = road.psd().fit()
+        return track if track.good is None else replace(track, fit=road.psd().fit())
     except ValueError:  # too short for a line
-        fit = None
-    return TrackMeasures(road, road.iri(), segments, fit)
+        return track
 
 
 class _Console(Console):
@@ -205,10 +222,9 @@ def print_profile(tracks: Sequence[TrackMeasures], segment: float) -> None:
         spectrum = ["-"] * 3
         if fit is not None:
             spectrum = [fit.iso_class, f"{1e6 * fit.roughness:.3g}", f"{fit.waviness:.2f}"]
-        step = (road.x[-1] - road.x[0]) / (road.x.size - 1)
         table.add_row(
-            road.name, f"{road.x[0]:.6g}", f"{road.x[-1]:.6g}", f"{step:.5g}", f"{track.iri:.3f}",
-            "good" if track.good else "not good", *spectrum,
+            road.name, f"{road.x[0]:.6g}", f"{road.x[-1]:.6g}", f"{mean_step(road.x):.5g}",
+            f"{track.iri:.3f}", track.verdict, *spectrum,
         )  # fmt: skip
     console.print(table)
     longest = max(tracks, key=lambda track: track.segments.size)
@@ -216,11 +232,13 @@ def print_profile(tracks: Sequence[TrackMeasures], segment: float) -> None:
         return
     names = [track.road.name for track in tracks]
     table = make_table(f"IRI [m/km] of each {segment:g} m", ["from [m]", "to [m]", *names])
-    for i in range(longest.segments.size):
+    for i in range(min(longest.segments.size, MOST_SEGMENTS)):
         start = longest.road.x[0] + i * segment
         cells = [f"{t.segments[i]:.3f}" if i < t.segments.size else "-" for t in tracks]
         table.add_row(f"{start:.6g}", f"{start + segment:.6g}", *cells)
     console.print(table)
+    if (more := longest.segments.size - MOST_SEGMENTS) > 0:
+        console.print(f"... and {more} more; --json has all")
 
 
 def profile_json(tracks: Sequence[TrackMeasures], segment: float) -> dict[str, Any]:
@@ -234,6 +252,7 @@ def profile_json(tracks: Sequence[TrackMeasures], segment: float) -> dict[str, A
                 "from_m": float(track.road.x[0]),
                 "to_m": float(track.road.x[-1]),
                 "points": track.road.x.size,
+                "measured_step_m": track.step,
                 "iri_m_per_km": track.iri,
                 "good": track.good,
                 "segment_iri_m_per_km": track.segments.tolist(),

@@ -106,6 +106,8 @@ def crossing_response(
     -----
     LiftOffWarning
         If a tire leaves the road; the response then has R = 0 in flight.
+    UserWarning
+        If the road was measured at steps of more than one foot: see `RoadProfile.measured_step`.
 
     References
     ----------
@@ -195,6 +197,8 @@ def daf(
     -----
     LiftOffWarning
         If a tire leaves the road at some speeds, which are then simulated with R >= 0.
+    UserWarning
+        If the road was measured too coarsely, as `crossing_response`.
 
     Examples
     --------

@@ -31,6 +31,7 @@ from bridgectl.propagator import SAME_PLACE
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.ramps import FeedbackHistories
 from bridgectl.road import RoadProfile
+from bridgectl.road.sampling import warn_if_coarse
 from bridgectl.score_file import Parts
 from bridgectl.scoreboard import MEASURES, Scoreboard
 from bridgectl.surface import RAMP_HEIGHT, RAMP_LENGTH, ramp_surface
@@ -113,6 +114,11 @@ def score(
     TypeError, ValueError
         If an argument is not what is described above: no strategies, two of one name, a road that
         is too short, or a file of another study.
+
+    Warns
+    -----
+    UserWarning
+        If a road was measured at steps of more than one foot: see `RoadProfile.measured_step`.
 
     Examples
     --------
@@ -204,6 +210,7 @@ def _study(
     stations = -before + RAMP_LENGTH * np.arange(n_pieces + 1)
     for i, road in enumerate(roads, 1):
         road.require(-before, beam.length + after, f"the crossing, of road {i},")
+        warn_if_coarse(road, "dynamic amplification")
     elevations = np.array([np.interp(stations, road.x, road.elevation) for road in roads])
     elevations -= elevations[:, :1]
     return replace(study, stations=stations, n_ramps=n_ramps, elevations=elevations)

@@ -31,6 +31,7 @@ from bridgectl.propagator import (
     road_rows,
 )
 from bridgectl.road import RoadProfile
+from bridgectl.road.sampling import warn_if_coarse
 
 REFERENCE_TOLERANCES = {"rtol": 1e-9, "atol": 1e-13}
 """Tolerances of the reference route; the states are metres, deflections about 1e-4 of one."""
@@ -83,9 +84,16 @@ class Stretch(NamedTuple):
 
 
 def prepare(
-    crossing: Crossing, profile: RoadProfile | None, start: float, tail: float = 0.0
+    crossing: Crossing,
+    profile: RoadProfile | None,
+    start: float,
+    tail: float = 0.0,
+    pieces: float = 0.0,
 ) -> Run:
-    """Check where a crossing starts and that its road covers it."""
+    """Check where a crossing starts and that its road covers it, and is not too coarse.
+
+    `pieces` is the length [m] of the straight pieces that the road counts in, if any.
+    """
     start = _checks.number("start", start, unit="m")
     if start > 0:
         raise ValueError(
@@ -98,6 +106,7 @@ def prepare(
                 "type RoadProfile(x, elevation) or read_profile(path)"
             )
         profile.require(start, crossing.beam.length, "the crossing")
+        warn_if_coarse(profile, "dynamic amplification", pieces=pieces)
     after = _checks.not_negative("tail", tail, unit="s") * crossing.speed
     return Run(crossing, start, crossing.exit + after, profile)
 

@@ -97,6 +97,11 @@ def dae_trust(surface: RampSurface, roads: Roads, *, tolerance: float = TOLERANC
     TypeError, ValueError
         As `RampSurface.ramps`.
 
+    Warns
+    -----
+    UserWarning
+        As `RampSurface.ramps`.
+
     References
     ----------
     Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Sections 4 and 5, on where the

@@ -1,5 +1,6 @@
 """Reading OpenCRG files, through the optional package pyopencrg."""
 
+import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -7,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers import run_command
 
 from bridgectl.road import ProfileFileError, read_profile, read_tracks
 
@@ -123,6 +125,63 @@ def test_missing_elevations_inside_are_refused(write: Write) -> None:
     assert refusal(write(crg(rows))).startswith("track v=-1.5 has no elevations: pass track=")
 
 
+@pytest.mark.parametrize("holed", [0, 1, 2])
+def test_whole_tracks_are_read_and_those_with_holes_are_told_of(write: Write, holed: int) -> None:
+    """A hole between whole tracks, too, of which the package has a note of its own."""
+    pytest.importorskip("pyopencrg")
+    plain, rows = read_tracks(write(crg())), np.array(Z)
+    rows[1, holed] = np.nan
+    path = write(crg(rows))
+    label = ("v=-1.5", "v=0", "v=1.5")[holed]
+    expected = f"left out 1 of 3 tracks with holes: track {label} has no elevation at u = 10.5 m"
+    with pytest.warns(UserWarning, match=expected) as told:
+        roads = read_tracks(path)
+    assert roads == [road for i, road in enumerate(plain) if i != holed]
+    assert [road.name for road in roads] == [p.name for i, p in enumerate(plain) if i != holed]
+    assert [warning.filename for warning in told] == [__file__]
+    whole = (holed + 1) % 3
+    assert read_profile(path, track=whole) == plain[whole]  # nobody asked for the others
+    assert refusal(path, track=holed).endswith("with another of 0: 'v=-1.5', 1: 'v=0', 2: 'v=1.5'")
+
+
+def test_a_file_without_a_whole_track_is_one_error_without_other_tracks(write: Write) -> None:
+    pytest.importorskip("pyopencrg")
+    rows = np.array(Z)
+    rows[1], rows[1, 1] = np.nan, 0.0
+    rows[2, 1] = np.nan
+    path = write(crg(rows))
+    with pytest.raises(ProfileFileError) as caught:
+        read_tracks(path)
+    assert str(caught.value).removeprefix(f"{path}: ") == refusal(path)
+    assert refusal(path) == (
+        "track v=-1.5 has no elevation at u = 10.5 m, and no other track is whole: fill the holes "
+        "and save, for example by fill_holes of pyopencrg"
+    )
+
+
+def test_the_command_line_measures_whole_tracks_beside_one_with_a_hole(
+    write: Write, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("pyopencrg")
+    rows = np.tile(1e-3 * (np.arange(100)[:, np.newaxis] % 7), 3)
+    rows[50, 1] = np.nan
+    text = (
+        crg(rows)
+        .replace("END_U = 11.5", "END_U = 34.75")
+        .replace("INCREMENT = 0.5", "INCREMENT = .25")
+    )
+    path = write(text.replace("V_INCREMENT = .25", "V_INCREMENT = 1.5"))
+    status, out, err = run_command(capsys, "profile", path, "--json")
+    assert status == 0
+    assert err == (
+        f"bridgectl: warning: {path}: left out 1 of 3 tracks with holes: track v=0 has no "
+        "elevation at u = 22.5 m\n"
+    )
+    tracks = json.loads(out)["tracks"]
+    assert [track["name"] for track in tracks] == ["road v=-1.5", "road v=1.5"]
+    assert all(track["good"] is not None for track in tracks)
+
+
 @pytest.mark.skipif(not ASAM.exists(), reason="the shared profiles are not here")
 def test_the_sample_of_the_standard_is_read() -> None:
     pytest.importorskip("pyopencrg")
@@ -142,10 +201,10 @@ def test_the_sample_of_the_standard_is_read() -> None:
         crg().replace("long section 3,m", "long section 3,mm"),
         crg().replace(" 0.0200000", " 0.02x0000"),
         crg().replace("INCREMENT = 0.5", "INCREMENT = -0.5"),
-        crg(extra="$CT\nonce more\n$!\n"),  # a warning
+        crg().replace("INCREMENT = 0.5", "INCREMENT = half"),  # a note that leaves a doubt
     ],
 )
-def test_what_the_package_refuses_or_warns_of_is_refused_in_one_line(
+def test_what_the_package_refuses_or_cannot_read_is_refused_in_one_line(
     write: Write, content: str
 ) -> None:
     pytest.importorskip("pyopencrg")
@@ -154,11 +213,49 @@ def test_what_the_package_refuses_or_warns_of_is_refused_in_one_line(
     assert str(write(content)) not in message
 
 
-def test_modifiers_are_not_applied_but_refused(write: Write) -> None:
+@pytest.mark.parametrize(
+    "modifiers",
+    ["SCALE_Z_GRID = 2", "SCALE_SLOPE=0", "SCALE_BANKING = -1", "SCALE_LENGTH = 1.01",
+     "SCALE_WIDTH = 2", "REFLINE_OFFSET_Z = 0.1", "REFPOINT_Z = 100"],
+)  # fmt: skip
+def test_modifiers_are_not_applied_but_refused(write: Write, modifiers: str) -> None:
     pytest.importorskip("pyopencrg")
-    extra = "$ROAD_CRG_MODS\nSCALE_Z_GRID = 2.0\n$!\n"
+    extra = f"$ROAD_CRG_MODS\n{modifiers}\nGRID_NAN_MODE = 2\n$!\n"
     message = refusal(write(crg(extra=extra)))
-    assert message.startswith("modifiers ($ROAD_CRG_MODS: scale_z_grid) would change the elevatio")
+    name = modifiers.partition("=")[0].strip().lower()
+    assert message.startswith(f"modifiers ($ROAD_CRG_MODS: {name}) would change the elevations: ")
+
+
+@pytest.mark.parametrize(
+    "modifiers",
+    [
+        ["SCALE_Z_GRID = 1.0", "SCALE_SLOPE = 1", "SCALE_BANKING = 1", "SCALE_LENGTH = 1",
+         "SCALE_WIDTH = 1", "SCALE_CURVATURE = 1", "GRID_NAN_MODE = 2", "GRID_NAN_OFFSET = 0"],
+        ["REFPOINT_U_FRACTION = 0.0", "REFPOINT_U_OFFSET = 0", "REFPOINT_V = 0", "REFPOINT_X = 0",
+         "REFPOINT_Y = 0", "REFPOINT_Z = 0.0", "REFPOINT_PHI = 0"],
+        ["REFLINE_OFFSET_X = 7", "REFLINE_OFFSET_Y = 8", "REFLINE_OFFSET_Z = 0",
+         "REFLINE_OFFSET_PHI = 0.5", "REFLINE_ROTCENTER_X = 1", "REFLINE_ROTCENTER_Y = 1"],
+    ],
+    ids=["defaults", "reference point", "moved in the plane"],
+)  # fmt: skip
+def test_modifiers_that_change_no_elevation_are_accepted(
+    write: Write, modifiers: list[str]
+) -> None:
+    pytest.importorskip("pyopencrg")
+    plain = read_tracks(write(crg()))
+    extra = "\n".join(["$ROAD_CRG_MODS", *modifiers, "$!", ""])
+    assert read_tracks(write(crg(extra=extra))) == plain
+
+
+def test_a_note_of_the_package_is_passed_on(write: Write) -> None:
+    pytest.importorskip("pyopencrg")
+    plain = read_tracks(write(crg()))
+    path = write(crg(extra="$ROAD_CRG_MODS\nGRID_NAN_MODE = 2.000+e00\n$!\n$CT\nonce more\n$!\n"))
+    with pytest.warns(UserWarning, match="pyopencrg notes: .*badly written .*; .*once") as told:
+        assert read_tracks(path) == plain
+    assert [(str(w.message).startswith(f"{path}: "), w.filename) for w in told] == [
+        (True, __file__)
+    ]
 
 
 def test_steps_and_slopes_of_no_road_are_refused(write: Write) -> None:

@@ -166,6 +166,7 @@ def assert_read_or_refused(path: Path, **arguments: Any) -> bool:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", "(?s).* left out|.* passed over, ", UserWarning)
+        warnings.filterwarnings("ignore", ".*: (pyopencrg notes: |left out )")
         try:
             roads = read_tracks(path, **arguments) if tracks is None else []
             roads = roads or [read_profile(path, track=tracks, **arguments)]

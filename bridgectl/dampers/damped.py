@@ -29,9 +29,10 @@ def damped_dafs(run: Run, damper: Damper | Strategy, speeds: FloatArray) -> Floa
     """Return the DAF of one road at some speeds [m/s], shape (n_speeds,)."""
     if (constant := as_damper(damper).constant) is not None:
         crossing = run.crossing
+        told = run.profile and run.profile._measured_as(0.0)  # if it is coarse, that has been said
         return daf(
             crossing.beam, replace(bare_vehicle(crossing.vehicle), damping=constant), speeds,
-            run.profile, start=run.start, section=crossing.section, recovery=crossing.recovery,
+            told, start=run.start, section=crossing.section, recovery=crossing.recovery,
         )  # fmt: skip
     return simulate_run(run, damper, speeds).daf[:, 0]
 

@@ -60,11 +60,12 @@ def profile_figure(roads: Sequence[RoadProfile], segment: float = 100.0) -> Figu
     above = figure.add_subplot(grid[0, 0])
     below = figure.add_subplot(grid[1, 0], sharex=above)
     spectra = figure.add_subplot(grid[:, 1])
-    for road, color in zip(roads, _colors(len(roads)), strict=True):
+    psds = [road.psd() for road in roads]
+    for road, psd, color in zip(roads, psds, _colors(len(roads)), strict=True):
         above.plot(road.x, 1e3 * road.detrend().elevation, color=color, lw=0.9, label=road.name)
         iri = road.iri(segment=segment)
         edges = road.x[0] + segment * np.arange(iri.size + 1)
-        label = f"{road.name}: {road.iri():.2f} m/km"
+        label = f"{road.name}: {road.iri():.2f} m/km{' (coarse)' if psd.coarse else ''}"
         below.stairs(iri, edges, baseline=None, color=color, lw=1.8, label=label)
     above.set(ylabel="elevation, up [mm]", title="elevation without its straight line")
     above.tick_params(labelbottom=False)
@@ -78,7 +79,7 @@ def profile_figure(roads: Sequence[RoadProfile], segment: float = 100.0) -> Figu
         ylim=(0, max(below.get_ylim()[1], 1.15 * GOOD)),
     )  # fmt: skip
     below.legend(loc="lower right", framealpha=0.8, frameon=True, edgecolor="none")
-    _draw_spectra(spectra, [road.psd() for road in roads])
+    _draw_spectra(spectra, psds)
     return figure
 
 
@@ -190,10 +191,15 @@ def _draw_spectra(ax: Axes, spectra: Sequence[RoadPsd]) -> None:
     n = np.array([min(lowest, BAND[0]), max(highest, BAND[1])])
     limits = _range([psd.density[psd.wavenumber <= BAND[1]] for psd in spectra])
     for psd, color in zip(spectra, _colors(len(spectra)), strict=True):
+        name = psd.name or "road"
+        if psd.coarse:
+            label = f"{name}: too coarse for a class"
+            ax.loglog(psd.wavenumber, psd.density, color=color, lw=0.9, alpha=0.75, label=label)
+            continue
         ax.loglog(psd.wavenumber, psd.density, color=color, lw=0.9, alpha=0.75)
         fit = psd.fit()
         label = (
-            f"{psd.name or 'road'}: class {fit.iso_class}, w = {fit.waviness:.2f},\n"
+            f"{name}: class {fit.iso_class}, w = {fit.waviness:.2f},\n"
             f"$G_d(n_0)$ = {fit.roughness * 1e6:.3g}·10⁻⁶ m³"
         )
         inside = np.clip(n, *BAND)

@@ -260,10 +260,11 @@ def _odd_unit(step: float, units: tuple[str, ...]) -> str:
     sizes = {unit: step / UNITS[units[0]] * UNITS[unit] for unit in UNITS}
     none = f"none: then {passing('columns', 'step')}"
     fitting = [f"{unit} ({size:.3g} m)" for unit, size in sizes.items() if low <= size <= high]
+    finer = "; average readings that are so close over 1 mm" if step < low else ""
     return (
         f"the stations in {units[0]} have a median {odd_step(step)}: "
         f'pass units="UNIT,{units[1]}" (--units UNIT,{units[1]}) with the unit they are in, which '
-        f"may be {' or '.join(fitting) or none}"
+        f"may be {' or '.join(fitting) or none}{finer}"
     )
 
 

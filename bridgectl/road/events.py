@@ -147,7 +147,7 @@ def add_events(road: RoadProfile, *events: RoadEvent) -> RoadProfile:
     stations = _union(road.x, np.concatenate([event.x for event in events]))
     elevation = road.elevation_at(stations) + sum(event.rise_at(stations) for event in events)
     _require_gentle_sum(stations, elevation, events)
-    return RoadProfile(stations, elevation, name=road.name)
+    return road._like(stations, np.asarray(elevation))
 
 
 def require_road(road: object) -> None:

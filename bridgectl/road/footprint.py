@@ -64,7 +64,7 @@ def tire_footprint(road: RoadProfile, length: float = 0.24) -> RoadProfile:
     require_road(road)
     base = check.positive("length", length, unit="m")
     elevation = _moving_average(road, road.x, base)
-    smooth = RoadProfile._trusted(road.x, elevation, road.name)  # no steeper than the road
+    smooth = road._like(road.x, elevation)  # no steeper than the road
     _warn_if_coarse(road, smooth, base)
     return smooth
 

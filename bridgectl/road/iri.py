@@ -7,7 +7,6 @@ rectified velocity of its suspension per speed, in m/km. Sayers (Transportation 
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 import control
@@ -17,8 +16,9 @@ from scipy.signal import lfilter
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._warn import warn_caller
 
-from .limits import TOLERANCE, even_step
+from .limits import even_step
 
 SPEED = 80 / 3.6
 """Speed of the golden car [m/s]."""
@@ -40,6 +40,9 @@ AT_START = (1.0, 0.0, 1.0, 0.0)
 
 SHORT = 20.0
 """Windows shorter than this [m] hold little more than one of the waves that the IRI weighs."""
+
+SHORTEST = 1.0
+"""Windows shorter than this [m], or than a step, are a slip: the tire itself averages 0.25 m."""
 
 
 def golden_car() -> control.StateSpace:
@@ -159,7 +162,7 @@ def running_iri(
     sums = np.append(0.0, np.cumsum(rectified_slope(elevation, step)))
     if window is None:
         return x[1 : sums.size], sums[1:] / np.arange(1, sums.size)
-    n = round(_window(window, "window", length) / step)
+    n = round(_window(window, "window", step, length) / step)
     n = max(1, min(n, sums.size - 1))  # the moving average takes its base off the road's end
     return x[n : sums.size], (sums[n:] - sums[:-n]) / n
 
@@ -167,26 +170,30 @@ def running_iri(
 def segment_iri(x: FloatArray, elevation: FloatArray, segment: float | None) -> FloatArray:
     """IRI [m/km] of each whole segment [m] of an evenly sampled road, None for all of it."""
     step, length = even_step(x, "IRI"), float(x[-1] - x[0])
-    window = _window(length if segment is None else segment, "segment", length)
+    window = _window(segment, "segment", step, length)
     values = rectified_slope(elevation, step)
+    n_segments = int((length + step / 2) / window)  # rounding may take that off the road
+    edges = np.round(window / step * np.arange(n_segments + 1)).astype(int)
     # The last segment lacks the steps that the moving average needs beyond it.
-    n_segments = int(length / window + 1e-9)
-    stops = np.round(window / step * np.arange(1, n_segments + 1)).astype(int)
-    return np.array([part.mean() for part in np.split(values, stops)[:n_segments]])
+    edges = np.minimum(edges, values.size)
+    return np.asarray(np.add.reduceat(values[: edges[-1]], edges[:-1]) / np.diff(edges))
 
 
-def _window(window: float, name: str, length: float) -> float:
-    """Check the window [m] of an average, and warn of one that is too short."""
-    size = _checks.positive(name, window, unit="m")
-    if size > length + TOLERANCE:
+def _window(window: float | None, name: str, step: float, length: float) -> float:
+    """Check the window [m] of an average, None for all of it, and warn of one too short."""
+    size = length if window is None else _checks.positive(name, window, unit="m")
+    if window is not None and size < max(SHORTEST, step):
+        raise ValueError(
+            f"{name} = {size:.10g} m is too short for an IRI at steps of {step:.4g} m: type "
+            f"{max(SHORT, step):.10g} m or more"
+        )
+    if size > length + step / 2:
         raise ValueError(
             f"{name} = {size:.10g} m is longer than the road of {length:.10g} m: type a shorter one"
         )
     if size < SHORT:
-        warnings.warn(
+        warn_caller(
             f"an IRI over {size:g} m says little: the index weighs waves of up to 30 m; pass "
-            f"{SHORT:g} m or more",
-            UserWarning,
-            stacklevel=4,
+            f"{SHORT:g} m or more"
         )
     return size

@@ -111,7 +111,8 @@ m to 0.0106422 m, step 0.1 m)
     )[0]  # fmt: skip
     label = f"class {roughness}" if isinstance(roughness, str) else f"Gd = {roughness:g} m^3"
     x = first + step * np.arange(elevation.size)
-    return RoadProfile(x, elevation, name=f"ISO 8608 {label}")
+    road = RoadProfile(x, elevation, name=f"ISO 8608 {label}")
+    return road._measured_as(float(step))
 
 
 @on_one_thread

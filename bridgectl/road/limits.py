@@ -8,7 +8,12 @@ from numpy.typing import NDArray
 from bridgectl._checks import FloatArray
 
 MAX_SLOPE = 1.0  # [m/m]; no road climbs at 45 degrees, but millimetres read as metres do
+TEXTURE = 0.005  # [m]; stones are so high
 TOLERANCE = 1e-9  # [m]; stations closer than this are one place, apart only by round-off
+JITTER = 0.1  # of a step; stations that stray no farther, whatever from, change an IRI by 0.1 %
+ROUNDED = 0.55  # of a step; rounded stations stray no farther
+ROUND_OFF = 1.25  # of the last decimal; rounded stations stray no farther, as half of it either way
+DECIMAL_UNITS = (1.0, 0.3048, 0.0254)  # [m]; units whose decimals stations are rounded to
 
 
 def first_unsorted(x: FloatArray) -> int | None:
@@ -17,9 +22,13 @@ def first_unsorted(x: FloatArray) -> int | None:
 
 
 def first_too_steep(x: FloatArray, elevation: FloatArray) -> int | None:
-    """Return the index of the first point that a slope above `MAX_SLOPE` leads to, if any."""
+    """Return the index of the first point that a slope above `MAX_SLOPE` leads to, if any.
+
+    Texture is no slope: a stone may rise by `TEXTURE` over any length.
+    """
     with np.errstate(over="ignore"):
-        return _first(~(np.abs(np.diff(elevation)) <= MAX_SLOPE * np.diff(x) + TOLERANCE))
+        highest = MAX_SLOPE * np.maximum(np.diff(x), TEXTURE) + TOLERANCE
+        return _first(~(np.abs(np.diff(elevation)) <= highest))
 
 
 def _first(bad: NDArray[np.bool_]) -> int | None:
@@ -51,9 +60,27 @@ def require_gentle(x: FloatArray, elevation: FloatArray) -> None:
 
 
 def evenly_spaced(x: FloatArray) -> bool:
-    """Tell whether stations are evenly spaced, but for round-off."""
-    steps = np.diff(x)
-    return bool(np.ptp(steps) <= 1e-6 * steps.mean() + 2 * TOLERANCE)
+    """Tell whether stations are evenly spaced, but for round-off and for rounding in a file."""
+    step, places = mean_step(x), np.arange(x.size) - (x.size - 1) / 2
+    # From the line of least squares: the one through the ends strays as these do.
+    slope = float(places @ (x - x[0]) / (places @ places))
+    spread = float(np.ptp(x - slope * places))
+    return spread <= JITTER * step or _are_rounded(x, spread, step)
+
+
+def _are_rounded(x: FloatArray, spread: float, step: float) -> bool:
+    """Tell whether stations stray from even ones by rounding to a decimal of a unit of length.
+
+    Where a reading is missing they stray by a step, and other slips by more than the decimal.
+    """
+    if spread > ROUNDED * step:
+        return False
+    for unit in DECIMAL_UNITS:
+        digit = unit * 10 ** np.ceil(np.log10(spread / ROUND_OFF / unit))
+        places = (x - x[0]) / digit
+        if digit <= step / 2 and np.abs(places - np.rint(places)).max() < 1e-3:
+            return True
+    return False
 
 
 def even_step(x: FloatArray, what: str) -> float:
@@ -63,4 +90,9 @@ def even_step(x: FloatArray, what: str) -> float:
             f"the {what} needs evenly spaced stations: type road.resample(0.25) first, or the "
             "spacing at which the road was measured"
         )
-    return float(np.diff(x).mean())
+    return mean_step(x)
+
+
+def mean_step(x: FloatArray) -> float:
+    """Return the mean distance between stations [m]."""
+    return float(x[-1] - x[0]) / (x.size - 1)

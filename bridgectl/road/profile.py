@@ -8,7 +8,7 @@ nowhere else; `RoadProfile.ramps` gives the differences of that r.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -18,8 +18,9 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 
 from .iri import running_iri, segment_iri
-from .limits import TOLERANCE, require_gentle, require_increasing
+from .limits import TOLERANCE, mean_step, require_gentle, require_increasing
 from .psd import RoadPsd, road_psd
+from .sampling import measured_step, warn_if_coarse
 from .stations import Stations
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ class RoadProfile(Stations):
         If `x` or `elevation` are not real numbers, or `name` is not a string.
     ValueError
         If they are not two 1-D arrays of one length, hold NaN or infinity, the stations do not
-        increase, or the road is anywhere steeper than 1 m/m.
+        increase, or the road is anywhere steeper than 1 m/m (texture of up to 5 mm may be).
 
     Examples
     --------
@@ -75,7 +76,9 @@ class RoadProfile(Stations):
 steps 0.1 to 21.9 m)
     """
 
-    __slots__ = ("_elevation", "_name")
+    __slots__ = ("_elevation", "_measured_step", "_name")
+
+    _measured_step: float | None
 
     def __init__(self, x: ArrayLike, elevation: ArrayLike, *, name: str = "") -> None:
         if not isinstance(name, str):
@@ -90,18 +93,32 @@ steps 0.1 to 21.9 m)
         require_increasing(stations)
         require_gentle(stations, heights)
         self._x, self._elevation, self._name = stations, heights, name
+        self._measured_step = None
 
     @classmethod
-    def _trusted(cls, x: FloatArray, elevation: FloatArray, name: str) -> RoadProfile:
+    def _trusted(
+        cls, x: FloatArray, elevation: FloatArray, name: str, step: float | None = None
+    ) -> RoadProfile:
+        """Return a road of a file, or one made of another that was measured at a step [m]."""
         # Unchecked: taking a slope out of a valid road may leave one steeper than MAX_SLOPE.
         road = cls.__new__(cls)
         x.flags.writeable = elevation.flags.writeable = False
         road._x, road._elevation, road._name = x, elevation, name
+        road._measured_step = measured_step(x, elevation, record=True) if step is None else step
         return road
 
-    def __reduce__(self) -> tuple[Callable[..., RoadProfile], tuple[FloatArray, FloatArray, str]]:
+    def _like(self, x: FloatArray, elevation: FloatArray) -> RoadProfile:
+        """Return what was made of this road: of its name, and no better measured."""
+        return self._trusted(x, elevation, self._name, self.measured_step)
+
+    def _measured_as(self, step: float, name: str | None = None) -> RoadProfile:
+        """Return this road as one measured at a step [m], and of another name if given."""
+        label = self._name if name is None else name
+        return self._trusted(self._x, self._elevation, label, step)
+
+    def __reduce__(self) -> tuple[Callable[..., RoadProfile], tuple[Any, ...]]:
         """Pickle by rebuilding, since unpickled arrays would be writable."""
-        return self._trusted, (self._x, self._elevation, self._name)
+        return self._trusted, (self._x, self._elevation, self._name, self.measured_step)
 
     @property
     def elevation(self) -> FloatArray:
@@ -112,6 +129,28 @@ steps 0.1 to 21.9 m)
     def name(self) -> str:
         """Label for tables and plots."""
         return self._name
+
+    @property
+    def measured_step(self) -> float:
+        """Step [m] at which the road was measured, 0 for one that was drawn.
+
+        A road that is resampled, cropped or shifted is no better measured than before. Elevations
+        that lie on straight lines between even stations farther apart were interpolated, and count
+        as measured there. What has no such stations, or few, is a shape that is meant to be
+        straight between its points. Of more than one foot (0.305 m), the IRI, the ISO 8608 line and
+        dynamic amplification of the road draw a warning.
+
+        Examples
+        --------
+        >>> from bridgectl.road import utia_road
+        >>> utia_road().resample(0.1).measured_step
+        0.25
+        >>> RoadProfile([-10, 3.0, 3.1, 25], [0, 0, -0.001, -0.001]).resample(0.1).measured_step
+        0.0
+        """
+        if self._measured_step is None:
+            self._measured_step = measured_step(self._x, self._elevation)
+        return self._measured_step
 
     def __repr__(self) -> str:
         """Return name, number of points, ranges and step."""
@@ -168,7 +207,8 @@ steps 0.1 to 21.9 m)
                 f"({last - first:.10g} m): type a smaller step"
             )
         stations = first + step * np.arange(pieces + 1, dtype=np.float64)
-        return self._trusted(stations, self._interpolated(stations), self._name)
+        measured = self.measured_step and max(self.measured_step, float(step))
+        return self._trusted(stations, self._interpolated(stations), self._name, measured)
 
     def detrend(self, order: int = 1) -> RoadProfile:
         """Return the road without its least-squares polynomial.
@@ -194,7 +234,7 @@ steps 0.1 to 21.9 m)
                 f"not {order}: type order=1 for a straight line"
             )
         trend = Polynomial.fit(self._x, self._elevation, int(order))
-        return self._trusted(self._x, self._elevation - trend(self._x), self._name)
+        return self._like(self._x, self._elevation - trend(self._x))
 
     def crop(self, start: float, stop: float) -> RoadProfile:
         """Return the road from one station to another, interpolated at these two ends.
@@ -216,7 +256,7 @@ steps 0.1 to 21.9 m)
         first, last = self._stretch(start, stop)
         inside = self._x[(self._x > first + TOLERANCE) & (self._x < last - TOLERANCE)]
         stations = np.concatenate([[first], inside, [last]])
-        return self._trusted(stations, self._interpolated(stations), self._name)
+        return self._like(stations, self._interpolated(stations))
 
     def place_bridge(self, station: float) -> RoadProfile:
         """Return the road with its stations measured from the start of a bridge.
@@ -241,7 +281,7 @@ steps 0.1 to 21.9 m)
         array([-1.,  0.,  1.])
         """
         origin = self._inside("station", station)
-        return self._trusted(self._x - origin, self._elevation, self._name)
+        return self._like(self._x - origin, self._elevation)
 
     def level(self, x: float = 0.0) -> RoadProfile:
         """Return the road shifted to elevation 0 at a station, where a vehicle then starts level.
@@ -261,7 +301,7 @@ steps 0.1 to 21.9 m)
             If it is outside the road.
         """
         datum = self._interpolated(self._inside("x", x))
-        return self._trusted(self._x, self._elevation - datum, self._name)
+        return self._like(self._x, self._elevation - datum)
 
     def elevation_at(self, x: ArrayLike) -> FloatArray:
         """Return the elevation at stations.
@@ -380,12 +420,14 @@ steps 0.1 to 21.9 m)
         Raises
         ------
         ValueError
-            If the stations are not evenly spaced, or the road is shorter than `segment`.
+            If the stations are not evenly spaced (but for rounding), or the road is shorter than
+            `segment`, or `segment` than 1 m or a step.
 
         Warns
         -----
         UserWarning
-            If the window is shorter than 20 m, too short to mean anything.
+            If the window is shorter than 20 m, too short to mean anything, or the road was measured
+            at steps of more than one foot (see `measured_step`).
 
         Examples
         --------
@@ -394,6 +436,7 @@ steps 0.1 to 21.9 m)
         array([3.298, 2.442, 3.555, 4.086, 2.708])
         """
         values = segment_iri(self._x, self._elevation, segment)
+        warn_if_coarse(self, "an IRI", mean_step(self._x))
         return float(values[0]) if segment is None else values
 
     def running_iri(self, window: float | None = None) -> tuple[FloatArray, FloatArray]:
@@ -412,7 +455,13 @@ steps 0.1 to 21.9 m)
         Raises
         ------
         ValueError
-            If the stations are not evenly spaced, or the road is shorter than `window`.
+            If the stations are not evenly spaced (but for rounding), or the road is shorter than
+            `window`, or `window` than 1 m or a step.
+
+        Warns
+        -----
+        UserWarning
+            As `iri`.
 
         Examples
         --------
@@ -421,7 +470,9 @@ steps 0.1 to 21.9 m)
         >>> f"{iri.max():.2f} m/km over the 100 m before station {x[iri.argmax()]:.0f} m"
         '4.23 m/km over the 100 m before station 862 m'
         """
-        return running_iri(self._x, self._elevation, window)
+        found = running_iri(self._x, self._elevation, window)
+        warn_if_coarse(self, "an IRI", mean_step(self._x))
+        return found
 
     def psd(self, segment: float | None = None, *, window: str = "hann") -> RoadPsd:
         """Return the power spectral density of the elevation (Welch's method, on the slope).
@@ -451,7 +502,7 @@ steps 0.1 to 21.9 m)
         >>> utia_road().psd()
         RoadPsd('UTIA road', 200 wave numbers from 0.01 to 2 cycles/m, 8.6 averages)
         """
-        return road_psd(self._x, self._elevation, segment, window, self._name)
+        return road_psd(self._x, self._elevation, segment, window, self._name, self.measured_step)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the elevation [mm] over the station [m].

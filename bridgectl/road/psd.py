@@ -20,8 +20,10 @@ from scipy.special import digamma
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._warn import warn_caller
 
 from .limits import even_step
+from .sampling import coarse, too_coarse
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,6 +44,9 @@ CLASSES = "ABCDEFGH"
 
 UNMEASURED = (1e-11, 1e3 * np.finfo(float).eps)
 """Heights [m], and parts of the largest elevation, that no road has but round-off may make."""
+
+ROUND_OFF = 1e-3
+"""Of a wave number, as mean and median steps of rounded stations differ."""
 
 
 def class_roughness(iso_class: str, level: str = "mean") -> float:
@@ -126,6 +131,9 @@ class RoadPsd:
         Number of independent stretches of road that each density averages.
     name : str
         Label for plots.
+    resolved : float
+        Highest wave number [cycles/m] that the road was measured at, of waves two steps long; of an
+        interpolated road it lies below those of its spectrum.
     round_off : float
         Density [m^3] below which the spectrum may be one of round-off.
 
@@ -140,6 +148,7 @@ class RoadPsd:
     density: FloatArray
     averages: float
     name: str = ""
+    resolved: float = np.inf
     round_off: float = 0.0
 
     def __repr__(self) -> str:
@@ -161,7 +170,7 @@ class RoadPsd:
             Fit G_d(n_0) alone at this exponent of the spectrum, 2 for the classes; both if
             omitted.
         band : pair of float
-            Wave numbers [cycles/m] that count.
+            Wave numbers [cycles/m] that count, as far as the road was measured.
 
         Returns
         -------
@@ -174,6 +183,12 @@ class RoadPsd:
             If fewer than two third octaves of the spectrum lie in the band, or one of them is
             empty, as a level road's are, but for round-off.
 
+        Warns
+        -----
+        UserWarning
+            If the band reaches beyond what the road was measured at, in steps of more than one foot
+            (see `RoadProfile.measured_step`).
+
         References
         ----------
         ISO 8608:2016, Section 5.2 and Annex C.
@@ -185,7 +200,10 @@ class RoadPsd:
         >>> f"{line.roughness:.1e} m^3, waviness {line.waviness:.1f}: class {line.iso_class}"
         '5.7e-05 m^3, waviness 2.5: class B'
         """
-        n, logarithm = self._third_octaves(check.array("band", band, (2,), unit="cycles/m"))
+        ends = check.array("band", band, (2,), unit="cycles/m")
+        n, logarithm = self._third_octaves(ends)
+        if self.coarse and ends[1] > self.resolved * (1 + ROUND_OFF):
+            warn_caller(coarse("the line of ISO 8608", 0.5 / self.resolved, name=self.name))
         octave = np.log(n / REFERENCE)
         if waviness is None:
             slope, level = np.polyfit(octave, logarithm, 1)
@@ -194,9 +212,15 @@ class RoadPsd:
             level = np.mean(logarithm - slope * octave)
         return PsdFit(float(np.exp(level)), float(-slope))
 
+    @property
+    def coarse(self) -> bool:
+        """Whether the road was measured too coarsely for the classes of ISO 8608."""
+        return too_coarse(0.5 / self.resolved)
+
     def _third_octaves(self, band: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Geometric mean wave number and logarithm of the mean density of each third octave."""
-        inside = (self.wavenumber >= band[0]) & (self.wavenumber <= band[1])
+        high = min(band[1], self.resolved * (1 + ROUND_OFF))
+        inside = (self.wavenumber >= band[0]) & (self.wavenumber <= high)
         n, density = self.wavenumber[inside], self.density[inside]
         which = np.floor(BANDS_PER_OCTAVE * np.log2(n / band[0])).astype(int)
         if np.unique(which).size < 2:
@@ -262,11 +286,17 @@ def elevation_psd(
 
 
 def road_psd(
-    x: FloatArray, elevation: FloatArray, segment: float | None, window: str, name: str
+    x: FloatArray,
+    elevation: FloatArray,
+    segment: float | None,
+    window: str,
+    name: str,
+    measured_step: float,
 ) -> RoadPsd:
     """Spectrum of one road; see `RoadProfile.psd`."""
     step = even_step(x, "PSD")
     n, density, averages = elevation_psd(elevation, step, segment, window)
     height = max(UNMEASURED[0], UNMEASURED[1] * float(np.abs(elevation).max()))
     # White noise of this height, and so of a variance of a twelfth of its square, as of rounding.
-    return RoadPsd(n, density, averages, name, round_off=step * height**2 / 6)
+    resolved = 0.5 / (measured_step or step)
+    return RoadPsd(n, density, averages, name, resolved, step * height**2 / 6)

@@ -25,7 +25,7 @@ from .lines import DELIMITERS
 from .missing import known_missing
 from .packed import SUFFIX, unpacked, unpacked_copy
 from .profile import RoadProfile
-from .tracks import STEPS, Pick, Request, known_units, track_index, track_names
+from .tracks import STEPS, Pick, Request, known_units, odd_step, track_index, track_names
 
 __all__ = ["read_profile", "read_tracks", "utia_road"]
 
@@ -264,7 +264,7 @@ def _request(
     skip_lines: int | None,
 ) -> Request:
     """Return what the caller says of the file, once it makes sense."""
-    if step is not None and not STEPS[0] <= check.positive("step", step, unit="m") <= STEPS[1]:
+    if step is not None and odd_step(check.positive("step", step, unit="m")):
         raise ValueError(f"step must be {STEPS[0]:g} m to {STEPS[1]:g} m, got {step:g}")
     if delimiter is not None:
         check.choice("delimiter", delimiter, tuple(DELIMITERS))

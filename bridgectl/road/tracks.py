@@ -19,6 +19,8 @@ UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "ft": 0.3048, "in": 0.0254
 MAX_GAP = 5.0  # [m]; a straight line over more hides bumps that a vehicle would feel
 MAX_GAP_STEPS = 100  # but a road at coarse steps may have gaps of this many median steps
 STEPS = (0.001, 5.0)  # [m]; a median step outside is a unit mistaken for another
+FINEST = 0.0005  # [m]; but lasers that look at texture read so densely
+ROUND_OFF = 1e-3  # of a step, as stations far from 0 and rounded ones have
 WINDOW = 2**16  # points whose slopes are compared at once
 
 TELL_UNITS = (
@@ -204,7 +206,7 @@ def require_gentle_track(
 def odd_step(step: float) -> str:
     """Say that a step [m] is none of a road, if so."""
     low, high = STEPS
-    if low <= step <= high:
+    if FINEST * (1 - ROUND_OFF) <= step <= high * (1 + ROUND_OFF):
         return ""
     return f"step of {step:.6g} m, expected {low:g} m to {high:g} m"
 
