@@ -14,9 +14,11 @@ from scipy.integrate import solve_ivp
 
 G = 9.81
 
-MAX_STEP = {False: 5e-4, True: 5e-5}
-"""Longest step [s], without and with a force limit: within one, no tire may leave the road and meet
-it again unseen, nor may the damper's force pass from one limit to the other."""
+MAX_STEP = 5e-4
+"""Longest step [s]: within one, no tire may leave the road and meet it again unseen."""
+
+FIRST_STEP = 1e-6
+"""First step after an event [s]: where that was, its margin is of no sign."""
 
 
 class FineLoop:
@@ -140,7 +142,7 @@ class FineLoop:
                 lambda t, y, tire=tire, force=force: self._rates(t, y, tire(t, y), force(t, y)),
                 (begin, stop), y, method="DOP853", rtol=self.tolerance,
                 atol=self.tolerance * 1e-4, events=events, dense_output=True,
-                max_step=MAX_STEP[limit < np.inf],
+                first_step=min(FIRST_STEP, stop - begin), max_step=MAX_STEP,
             )  # fmt: skip
             t = np.linspace(begin, found.t[-1], 201)
             states = found.sol(t)
