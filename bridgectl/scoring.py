@@ -10,7 +10,10 @@ import dataclasses
 import hashlib
 import json
 import os
+import signal
+import sys
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -97,8 +100,11 @@ def score(
         Road before and after the bridge [m] that is driven; the vehicle starts in equilibrium.
         Unit ramps lie on approach and bridge.
     resume : path-like, optional
-        A file that keeps each part of the work when it is done. If it holds parts of the same
-        study, those are not done again.
+        A file that keeps each part of the work when it is done. Parts of the same study that it
+        holds are not done again, and those of other strategies and roads stay in it. A last line
+        that an interruption cut short is done again; so are lines that are damaged or edited,
+        with a warning, and all other lines count. A file of another study, or by another version
+        of bridgectl, is refused, as is one that another process adds to.
     workers : int, optional
         Processes at work. Default: as many as there are cores.
     progress : bool, optional
@@ -113,6 +119,13 @@ def score(
     TypeError, ValueError
         If an argument is not what is described above: no strategies, two of one name, a road that
         is too short, or a file of another study.
+    OSError
+        If the file cannot be written, as on a full disk; parts that it held are still there.
+
+    Warns
+    -----
+    UserWarning
+        If lines of the file are damaged: which.
 
     Examples
     --------
@@ -136,7 +149,8 @@ def score(
         for first in range(0, len(roads), ROADS_AT_ONCE)
     ]
     keys = [_key(devices[i], study) for i in range(len(devices))]
-    with Parts(resume, _header(study)) as parts:
+    shapes = {(name, keys[i]): _shapes(study, first) for name, i, first in tasks}
+    with Parts(resume, _header(study), shapes) as parts:
         todo = [task for task in tasks if (task[0], keys[task[1]]) not in parts]
         jobs = [(study, devices[i], first) for _, i, first in todo]
         found = track(
@@ -220,7 +234,26 @@ def _run(
     import joblib  # late, as it is slow to load
 
     parallel = joblib.Parallel(workers, return_as="generator_unordered")
-    yield from parallel(joblib.delayed(_numbered)(i, *job) for i, job in enumerate(jobs))
+    with _deaf_to_ctrl_c():
+        found = parallel(joblib.delayed(_numbered)(i, *job) for i, job in enumerate(jobs))
+    yield from found
+
+
+@contextmanager
+def _deaf_to_ctrl_c() -> Iterator[None]:
+    """Start processes that Ctrl-C does not reach; here it is felt at the end.
+
+    It goes to all processes of a terminal. Workers would each tell of it; as it is, the process
+    that started them ends them.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _numbered(index: int, *job: Any) -> tuple[int, dict[str, Any]]:
@@ -251,6 +284,16 @@ def _part(study: _Study, damper: Damper, first: int) -> dict[str, Any]:
         "switching_rate": (found.switches / duration[:, np.newaxis]).T,
         "daf_smooth": surface.daf_smooth,
         **_measure(study, damper, run),
+    }
+
+
+def _shapes(study: _Study, first: int) -> dict[str, tuple[int, ...]]:
+    """Names and shapes of what `_part` returns."""
+    n_roads, n_speeds = len(study.elevations[first : first + ROADS_AT_ONCE]), len(study.speeds)
+    return {
+        **dict.fromkeys(MEASURES, (n_roads, n_speeds)),
+        "daf_smooth": (n_speeds,),
+        "fourth_power_95": (n_roads,),
     }
 
 
