@@ -207,7 +207,7 @@ def _locked(path: str) -> FileIO:
             f"{path} is no file but a folder, pipe or device: type the name of a file of a score, "
             "or of a new file"
         )
-    handle = open(path, "ab", buffering=0)
+    handle = FileIO(path, "ab")
     if sys.platform != "win32":
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
