@@ -24,6 +24,7 @@ from bridgectl import _checks as check
 from bridgectl import measures
 from bridgectl._checks import FloatArray
 from bridgectl._progress import track
+from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.dae import RampSurface
@@ -266,6 +267,7 @@ def _numbered(index: int, *job: Any) -> tuple[int, dict[str, Any]]:
     return index, _part(*job)
 
 
+@on_one_thread  # as in workers: sums over threads differ in the last digits
 def _part(study: _Study, damper: Damper, first: int) -> dict[str, Any]:
     """Score one strategy on some roads: arrays (roads, speeds) of every measure."""
     elevations = study.elevations[first : first + ROADS_AT_ONCE]
