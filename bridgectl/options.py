@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -209,8 +210,10 @@ def working(what: str) -> Any:
 
 def save_figure(figure: Figure, path: Path) -> None:
     """Save a figure, whole or not at all."""
+    drawn = io.BytesIO()  # where drawing cannot fail half-way, each format with an error of its own
+    figure.savefig(drawn, format=path.suffix.lower().removeprefix("."))
     with replacing(path) as file:
-        figure.savefig(file, format=path.suffix.lower().removeprefix("."))
+        file.write(drawn.getbuffer())
 
 
 def tell_drawn(path: Path | None) -> None:

@@ -12,8 +12,8 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -154,13 +154,10 @@ def score(
     with Parts(resume, _header(study), shapes) as parts:
         todo = [task for task in tasks if (task[0], keys[task[1]]) not in parts]
         jobs = [(study, devices[i], first) for _, i, first in todo]
-        found = track(
-            _run(jobs, check.workers(workers, len(jobs))), "Scoring strategies", len(jobs),
-            show=progress,
-        )  # fmt: skip
-        for index, part in found:
-            name, i, _ = todo[index]
-            parts.keep(name, keys[i], part)
+        with closing(_run(jobs, check.workers(workers, len(jobs)))) as found:
+            for index, part in track(found, "Scoring strategies", len(jobs), show=progress):
+                name, i, _ = todo[index]
+                parts.keep(name, keys[i], part)
         done = [[parts[name, keys[i]] for name, i, _ in tasks if i == k] for k in range(len(names))]
     values = {
         measure: np.array([np.concatenate([p[measure] for p in own]) for own in done])
@@ -226,7 +223,7 @@ def _study(
 
 def _run(
     jobs: Sequence[tuple[_Study, Damper, int]], workers: int
-) -> Iterator[tuple[int, dict[str, Any]]]:
+) -> Generator[tuple[int, dict[str, Any]], None, None]:
     """Do the jobs, as many at once as there are workers; yield what is done, with its index."""
     if workers == 1:
         for index, job in enumerate(jobs):
@@ -234,10 +231,16 @@ def _run(
         return
     import joblib  # late, as it is slow to load
 
-    parallel = joblib.Parallel(workers, return_as="generator_unordered")
-    with _deaf_to_ctrl_c():
-        found = parallel(joblib.delayed(_numbered)(i, *job) for i, job in enumerate(jobs))
-    yield from found
+    parallel, found = joblib.Parallel(workers, return_as="generator_unordered"), None
+    try:
+        with _deaf_to_ctrl_c():
+            found = parallel(joblib.delayed(_numbered)(i, *job) for i, job in enumerate(jobs))
+        for each in found:  # "yield from" would end joblib's in a way that it warns of
+            yield each  # noqa: UP028
+    finally:
+        if found is not None:
+            with suppress(KeyboardInterrupt):  # of which joblib says nothing, and ends the workers
+                found.throw(KeyboardInterrupt)
 
 
 @contextmanager
