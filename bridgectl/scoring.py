@@ -12,6 +12,7 @@ import json
 import os
 import signal
 import sys
+import threading
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, replace
@@ -235,8 +236,8 @@ def _run(
     try:
         with _deaf_to_ctrl_c():
             found = parallel(joblib.delayed(_numbered)(i, *job) for i, job in enumerate(jobs))
-        for each in found:  # "yield from" would end joblib's in a way that it warns of
-            yield each  # noqa: UP028
+        for each in found:  # noqa: UP028 - "yield from" would let joblib warn of being ended
+            yield each
     finally:
         if found is not None:
             with suppress(KeyboardInterrupt):  # of which joblib says nothing, and ends the workers
@@ -245,12 +246,12 @@ def _run(
 
 @contextmanager
 def _deaf_to_ctrl_c() -> Iterator[None]:
-    """Start processes that Ctrl-C does not reach; here it is felt at the end.
+    """Start processes that Ctrl-C does not reach; here it is felt when all have started.
 
-    It goes to all processes of a terminal. Workers would each tell of it; as it is, the process
-    that started them ends them.
+    It goes to all processes of a terminal. Workers would each tell of it, and those that are not
+    yet known to the process that starts them would be left; as it is, that one ends them.
     """
-    if sys.platform == "win32":
+    if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
         yield
         return
     from multiprocessing import resource_tracker
@@ -259,11 +260,17 @@ def _deaf_to_ctrl_c() -> Iterator[None]:
 
     for tracker in (resource_tracker, loky_tracker):  # when they start, they unblock the signal
         tracker.ensure_running()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    heard: list[int] = []
+    # Processes inherit what is blocked; of this one, other threads may still take the signal.
+    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+        signal.signal(signal.SIGINT, handler)
+        for number in heard[:1]:
+            signal.raise_signal(number)
 
 
 def _numbered(index: int, *job: Any) -> tuple[int, dict[str, Any]]:
