@@ -150,8 +150,9 @@ def load_surface(
     Raises
     ------
     SurfaceFileError
-        If there is no such file, it is damaged, it holds no surface in this version of the
-        format, or one of other parameters; the message names the file and each difference.
+        If there is no such file, it is damaged or was edited, it would fill the memory, it holds
+        no surface in this version of the format, or one of other parameters; the message names the
+        file and each difference.
     TypeError, ValueError
         If an expected parameter is none, or has the wrong kind or range.
 

@@ -5,12 +5,14 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
 import pytest
 
 import bridgectl.cli
+from bridgectl import scoring
 from bridgectl.__main__ import main
 
 SCORE = [
@@ -117,3 +119,35 @@ def test_a_program_that_was_started_deaf_to_ctrl_c_stays_so(monkeypatch):
     monkeypatch.setattr(bridgectl.cli, "main", lambda: 2)
     assert main() == 2
     assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
+@LINUX
+@pytest.mark.usefixtures("own_signal")
+def test_ctrl_c_while_workers_start_is_felt_when_all_have_started():
+    started = []
+
+    def start():
+        with scoring._deaf_to_ctrl_c():
+            signal.raise_signal(signal.SIGINT)
+            assert signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+            started.append("all")
+
+    with pytest.raises(KeyboardInterrupt):
+        start()
+    assert started
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.usefixtures("own_signal")
+def test_a_thread_leaves_ctrl_c_to_the_main_one():
+    found = []
+
+    def start():
+        with scoring._deaf_to_ctrl_c():
+            found.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=start)
+    thread.start()
+    thread.join()
+    assert found == [signal.default_int_handler]
