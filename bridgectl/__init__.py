@@ -25,50 +25,30 @@ array([0.89 , 1.007, 1.039])
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from bridgectl import li2006
-from bridgectl.beam import Beam
-from bridgectl.crossing import Crossing, crossing_system
-from bridgectl.dae import RampSurface
-from bridgectl.quarter_car import QuarterCar, convoy
-from bridgectl.response import LiftOffWarning, crossing_response, daf
-from bridgectl.road import (
-    ProfileFileError,
-    RoadProfile,
-    iso8608_profile,
-    read_profile,
-    read_tracks,
-    utia_road,
-    write_profile,
-)
-from bridgectl.surface import ramp_surface
-from bridgectl.surface_file import SurfaceFileError, load_surface
-from bridgectl.trust import DaeTrust, dae_trust
-from bridgectl.vehicle import Vehicle
-
-LAZY = ("dampers", "extremes", "measures", "passive_theory", "plots", "validation", "weighting")
-"""Rooms that are loaded when they are first used: the dampers bring CasADi."""
-
 if TYPE_CHECKING:
+    from bridgectl import li2006
+    from bridgectl.beam import Beam
+    from bridgectl.crossing import Crossing, crossing_system
+    from bridgectl.dae import RampSurface
+    from bridgectl.quarter_car import QuarterCar, convoy
+    from bridgectl.response import LiftOffWarning, crossing_response, daf
+    from bridgectl.road import (
+        ProfileFileError,
+        RoadProfile,
+        iso8608_profile,
+        read_profile,
+        read_tracks,
+        utia_road,
+        write_profile,
+    )
     from bridgectl.scoreboard import Scoreboard
     from bridgectl.scoring import score
+    from bridgectl.surface import ramp_surface
+    from bridgectl.surface_file import SurfaceFileError, load_surface
+    from bridgectl.trust import DaeTrust, dae_trust
+    from bridgectl.vehicle import Vehicle
 
 __version__ = "0.1.0"
-
-
-def __dir__() -> list[str]:
-    """List what there is, loaded or not, for tab completion."""
-    return sorted({*globals(), *__all__, *LAZY})
-
-
-def __getattr__(name: str) -> Any:
-    """Load what is heavy when it is first used."""
-    if name in LAZY:
-        return import_module(f"bridgectl.{name}")
-    if name in ("Scoreboard", "score"):
-        module = {"Scoreboard": "scoreboard", "score": "scoring"}[name]
-        return getattr(import_module(f"bridgectl.{module}"), name)
-    raise AttributeError(f"module 'bridgectl' has no attribute {name!r}")
-
 
 __all__ = [
     "Beam",
@@ -97,3 +77,45 @@ __all__ = [
     "utia_road",
     "write_profile",
 ]
+
+_ROOMS = (
+    "dampers", "extremes", "li2006", "measures", "passive_theory", "plots", "road", "validation",
+    "weighting",
+)  # fmt: skip
+"""Modules that are offered as such."""
+
+_HOMES = {
+    "beam": ("Beam",),
+    "crossing": ("Crossing", "crossing_system"),
+    "dae": ("RampSurface",),
+    "quarter_car": ("QuarterCar", "convoy"),
+    "response": ("LiftOffWarning", "crossing_response", "daf"),
+    "road": (
+        "ProfileFileError", "RoadProfile", "iso8608_profile", "read_profile", "read_tracks",
+        "utia_road", "write_profile",
+    ),
+    "scoreboard": ("Scoreboard",),
+    "scoring": ("score",),
+    "surface": ("ramp_surface",),
+    "surface_file": ("SurfaceFileError", "load_surface"),
+    "trust": ("DaeTrust", "dae_trust"),
+    "vehicle": ("Vehicle",),
+}  # fmt: skip
+"""Where the other names are from. All are loaded when they are first used: that takes a second,
+in which the command line must already listen to Ctrl-C, and the dampers bring CasADi."""
+
+
+def __dir__() -> list[str]:
+    """List what is offered, loaded or not, for tab completion."""
+    return sorted({*__all__, *_ROOMS, "__version__"})
+
+
+def __getattr__(name: str) -> Any:
+    """Load what is offered when it is first used."""
+    home = next((home for home, names in _HOMES.items() if name in names), None)
+    if home is not None:
+        globals()[name] = found = getattr(import_module(f"bridgectl.{home}"), name)
+        return found
+    if name in _ROOMS:
+        return import_module(f"bridgectl.{name}")
+    raise AttributeError(f"module 'bridgectl' has no attribute {name!r}")

@@ -7,7 +7,8 @@ import json
 import os
 import sys
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout
 from typing import Any, NoReturn
 
 import bridgectl as bc
@@ -28,12 +29,15 @@ from bridgectl.options import (
     numbers,
     parse_speeds,
     place_road,
+    save_figure,
     tell_drawn,
     working,
 )
 
 SEGMENT = 100.0
 """Segments of a road that get an IRI each [m]."""
+
+OUTPUT = "standard output"
 
 MAIN_HELP = """\
 What a road does to a bridge, and what dampers can do about it: dynamic amplification of a vehicle's
@@ -124,24 +128,64 @@ def main(argv: Sequence[str] | None = None) -> int:
         Exit status: 0, or 2 for a mistake in what was asked, told in one line.
     """
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), redirect_stdout(_Output()):
             warnings.simplefilter("always", UserWarning)
             warnings.showwarning = _show_each_once()
-            args = _parser().parse_args(argv)
-            args.run(args)
-            sys.stdout.flush()
+            try:
+                args = _parser().parse_args(argv)
+                args.run(args)
+            finally:
+                sys.stdout.flush()
     except BrokenPipeError:  # a reader such as `head` has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return 0
     except KeyboardInterrupt:
         return 130
-    except (ValueError, TypeError, NotImplementedError, OSError) as error:
+    except (ValueError, TypeError, NotImplementedError) as error:
+        _tell("error", error)
+        return 2
+    except OSError as error:
+        if error.filename == OUTPUT:
+            _drop_output()
         _tell("error", error)
         return 2
     except MemoryError:  # so many modes, or a vehicle so stiff, take steps without end
         _tell("error", "not enough memory: type fewer --modes, or check stiffnesses and damping")
         return 2
     return 0
+
+
+class _Output:
+    """Standard output, with its name in errors of writing."""
+
+    def __init__(self) -> None:
+        self.stream = sys.stdout
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
+
+    def write(self, text: str) -> int:
+        """Write text."""
+        with _named_output():
+            return self.stream.write(text)
+
+    def flush(self) -> None:
+        """Write what waits."""
+        with _named_output():
+            self.stream.flush()
+
+
+@contextmanager
+def _named_output() -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, OUTPUT) from None
+
+
+def _drop_output() -> None:
+    """Drop what is not written, which Python would complain of at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _tell(kind: str, message: object) -> None:
@@ -220,7 +264,7 @@ def _run_dae(args: argparse.Namespace) -> None:
         from bridgectl.plots import dae_figure
 
         figure = dae_figure(surface, road, superposed=superposed, simulated=simulated)
-        figure.savefig(args.plot)
+        save_figure(figure, args.plot)
     if args.json:
         print(json.dumps(dae_json(study), indent=1))
     else:
@@ -251,7 +295,8 @@ def _run_profile(args: argparse.Namespace) -> None:
     if args.plot is not None:
         from bridgectl.plots import profile_figure
 
-        profile_figure([track.road for track in tracks], args.segment).savefig(args.plot)
+        figure = profile_figure([track.road for track in tracks], args.segment)
+        save_figure(figure, args.plot)
     if args.json:
         print(json.dumps(profile_json(tracks, args.segment), indent=1))
     else:
@@ -269,7 +314,7 @@ def _run_paper(args: argparse.Namespace) -> None:
     if args.plot is not None:
         from bridgectl.plots import paper_figure
 
-        paper_figure(results).savefig(args.plot)
+        save_figure(paper_figure(results), args.plot)
     if args.json:
         print(json.dumps(paper_json(results), indent=1))
     else:
@@ -296,7 +341,7 @@ def _run_validate(args: argparse.Namespace) -> None:
         from bridgectl.plots import validation_figure
 
         with working("drawing"):
-            validation_figure(results).savefig(args.plot)
+            save_figure(validation_figure(results), args.plot)
     if args.json:
         print(json.dumps(validation_json(results), indent=1))
     else:

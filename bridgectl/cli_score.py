@@ -27,6 +27,7 @@ from bridgectl.options import (
     make_vehicle,
     parse_speeds,
     place_road,
+    save_figure,
     tell_drawn,
     working,
 )
@@ -149,7 +150,7 @@ def run_score(args: argparse.Namespace) -> None:
         raise
     if args.plot is not None:
         with working("drawing"):
-            board.plot().savefig(args.plot)
+            save_figure(board.plot(), args.plot)
     if args.json:
         print(board.to_json())
         return

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import argparse
+import io
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import bridgectl as bc
 from bridgectl._checks import FloatArray
+from bridgectl._files import is_regular, replacing
 from bridgectl.recovery import RECOVERIES
 from bridgectl.surface import RAMP_LENGTH
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SPEEDS_KMH = (1.0, 1000.0)
 """Speeds that make sense [km/h]: a crawling vehicle needs cells, and memory, without end."""
@@ -212,6 +217,14 @@ def working(what: str) -> Any:
     return Console(stderr=True).status(what)
 
 
+def save_figure(figure: Figure, path: Path) -> None:
+    """Save a figure, whole or not at all."""
+    drawn = io.BytesIO()  # where drawing cannot fail half-way, each format with an error of its own
+    figure.savefig(drawn, format=path.suffix.lower().removeprefix("."))
+    with replacing(path) as file:
+        file.write(drawn.getbuffer())
+
+
 def tell_drawn(path: Path | None) -> None:
     """Say where the figure is, if there is one."""
     if path is not None:
@@ -277,7 +290,8 @@ def check_output(option: str, path: Path | None) -> None:
         return
     if not path.absolute().parent.is_dir():
         raise ValueError(f"{option}: the folder {str(path.parent)!r} does not exist")
-    if path.is_dir():
-        raise ValueError(f"{option} must name a file, got the folder {str(path)!r}")
+    if path.exists() and not is_regular(path):
+        what = "folder" if path.is_dir() else "pipe or device"
+        raise ValueError(f"{option} must name a file, got the {what} {str(path)!r}")
     if not os.access(path if path.exists() else path.absolute().parent, os.W_OK):
         raise ValueError(f"{option}: no permission to write {str(path)!r}")

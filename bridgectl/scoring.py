@@ -10,7 +10,11 @@ import dataclasses
 import hashlib
 import json
 import os
-from collections.abc import Iterator, Sequence
+import signal
+import sys
+import threading
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,6 +25,7 @@ from bridgectl import _checks as check
 from bridgectl import measures
 from bridgectl._checks import FloatArray
 from bridgectl._progress import track
+from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.dae import RampSurface
@@ -98,8 +103,11 @@ def score(
         Road before and after the bridge [m] that is driven; the vehicle starts in equilibrium.
         Unit ramps lie on approach and bridge.
     resume : path-like, optional
-        A file that keeps each part of the work when it is done. If it holds parts of the same
-        study, those are not done again.
+        A file that keeps each part of the work when it is done. Parts of the same study that it
+        holds are not done again, and those of other strategies and roads stay in it. A last line
+        that an interruption cut short is done again; so are lines that are damaged or edited,
+        with a warning, and all other lines count. A file of another study, or by another version
+        of bridgectl, is refused, as is one that another process adds to.
     workers : int, optional
         Processes at work. Default: as many as there are cores.
     progress : bool, optional
@@ -114,6 +122,13 @@ def score(
     TypeError, ValueError
         If an argument is not what is described above: no strategies, two of one name, a road that
         is too short, or a file of another study.
+    OSError
+        If the file cannot be written, as on a full disk; parts that it held are still there.
+
+    Warns
+    -----
+    UserWarning
+        If lines of the file are damaged: which.
 
     Warns
     -----
@@ -142,16 +157,14 @@ def score(
         for first in range(0, len(roads), ROADS_AT_ONCE)
     ]
     keys = [_key(devices[i], study) for i in range(len(devices))]
-    with Parts(resume, _header(study)) as parts:
+    shapes = {(name, keys[i]): _shapes(study, first) for name, i, first in tasks}
+    with Parts(resume, _header(study), shapes) as parts:
         todo = [task for task in tasks if (task[0], keys[task[1]]) not in parts]
         jobs = [(study, devices[i], first) for _, i, first in todo]
-        found = track(
-            _run(jobs, check.workers(workers, len(jobs))), "Scoring strategies", len(jobs),
-            show=progress,
-        )  # fmt: skip
-        for index, part in found:
-            name, i, _ = todo[index]
-            parts.keep(name, keys[i], part)
+        with closing(_run(jobs, check.workers(workers, len(jobs)))) as found:
+            for index, part in track(found, "Scoring strategies", len(jobs), show=progress):
+                name, i, _ = todo[index]
+                parts.keep(name, keys[i], part)
         done = [[parts[name, keys[i]] for name, i, _ in tasks if i == k] for k in range(len(names))]
     values = {
         measure: np.array([np.concatenate([p[measure] for p in own]) for own in done])
@@ -218,7 +231,7 @@ def _study(
 
 def _run(
     jobs: Sequence[tuple[_Study, Damper, int]], workers: int
-) -> Iterator[tuple[int, dict[str, Any]]]:
+) -> Generator[tuple[int, dict[str, Any]], None, None]:
     """Do the jobs, as many at once as there are workers; yield what is done, with its index."""
     if workers == 1:
         for index, job in enumerate(jobs):
@@ -226,14 +239,52 @@ def _run(
         return
     import joblib  # late, as it is slow to load
 
-    parallel = joblib.Parallel(workers, return_as="generator_unordered")
-    yield from parallel(joblib.delayed(_numbered)(i, *job) for i, job in enumerate(jobs))
+    parallel, found = joblib.Parallel(workers, return_as="generator_unordered"), None
+    try:
+        with _deaf_to_ctrl_c():
+            found = parallel(joblib.delayed(_numbered)(i, *job) for i, job in enumerate(jobs))
+        for each in found:  # noqa: UP028 - "yield from" would let joblib warn of being ended
+            yield each
+    finally:
+        if found is not None:
+            with suppress(KeyboardInterrupt):  # of which joblib says nothing, and ends the workers
+                found.throw(KeyboardInterrupt)
+
+
+@contextmanager
+def _deaf_to_ctrl_c() -> Iterator[None]:
+    """Start processes that Ctrl-C does not reach; here it is felt when all have started.
+
+    It goes to all processes of a terminal. Workers would each tell of it, and those that are not
+    yet known to the process that starts them would be left; as it is, that one ends them.
+    """
+    if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    from joblib.externals.loky.backend import resource_tracker as loky_tracker
+
+    for tracker in (resource_tracker, loky_tracker):  # when they start, they unblock the signal
+        tracker.ensure_running()
+    heard: list[int] = []
+    # Processes inherit what is blocked; of this one, other threads may still take the signal.
+    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+        signal.signal(signal.SIGINT, handler)
+        for number in heard[:1]:
+            signal.raise_signal(number)
 
 
 def _numbered(index: int, *job: Any) -> tuple[int, dict[str, Any]]:
     return index, _part(*job)
 
 
+@on_one_thread  # as in workers: sums over threads differ in the last digits
 def _part(study: _Study, damper: Damper, first: int) -> dict[str, Any]:
     """Score one strategy on some roads: arrays (roads, speeds) of every measure."""
     elevations = study.elevations[first : first + ROADS_AT_ONCE]
@@ -258,6 +309,16 @@ def _part(study: _Study, damper: Damper, first: int) -> dict[str, Any]:
         "switching_rate": (found.switches / duration[:, np.newaxis]).T,
         "daf_smooth": surface.daf_smooth,
         **_measure(study, damper, run),
+    }
+
+
+def _shapes(study: _Study, first: int) -> dict[str, tuple[int, ...]]:
+    """Names and shapes of what `_part` returns."""
+    n_roads, n_speeds = len(study.elevations[first : first + ROADS_AT_ONCE]), len(study.speeds)
+    return {
+        **dict.fromkeys(MEASURES, (n_roads, n_speeds)),
+        "daf_smooth": (n_speeds,),
+        "fourth_power_95": (n_roads,),
     }
 
 

@@ -2,19 +2,21 @@
 
 A file holds the arrays of a `RampSurface` under their names ('daf_unit', 'histories.rows')
 and one text, 'header': JSON with the format's version, every parameter ('beam.length'), the
-class of every part, and the units and axes of the arrays. Nothing in it is pickled. It is not
-compressed: that would save a third of the bytes, and take longer than to compute the surface.
+class of every part, the units and axes of the arrays, and a sum of all that. Nothing in it is
+pickled. It is not compressed: that would save a third of the bytes, and take longer than to compute
+the surface.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import json
+import math
 import os
-import stat
 import warnings
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -23,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import bridgectl
 from bridgectl import _checks
-from bridgectl._files import replacing
+from bridgectl._files import is_regular, replacing
 from bridgectl.beam import Beam
 from bridgectl.dae import RampSurface
 from bridgectl.propagator import SAME_PLACE, sample_positions
@@ -42,8 +44,14 @@ from bridgectl.vehicle import Vehicle
 __all__ = ["SurfaceFileError", "load_surface", "save_surface"]
 
 FORMAT = "bridgectl ramp surface"
-VERSION = 1
+VERSION = 2
 """Version of the format: files of another one are refused."""
+
+INFLATION = 20
+"""How many times its size a file may inflate to: numbers of a surface hardly compress."""
+
+UNZIPPED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+"""Ways of packing that NumPy uses, and that are undone piece by piece: never more at once."""
 
 _CLASSES: dict[str, type[Any]] = {
     kind.__name__: kind
@@ -105,7 +113,8 @@ def save_surface(surface: RampSurface, path: str | os.PathLike[str]) -> None:
         "arrays": {name: _description(name, array) for name, array in arrays.items()},
         "units": {name: UNITS[name] for name in found if name in UNITS},
     }
-    with replacing(os.path.realpath(file)) as handle:
+    header["checksum"] = _checksum(header, arrays)
+    with replacing(file) as handle:
         # Names of arrays are no other arguments.
         np.savez(handle, header=np.array(json.dumps(header)), **arrays)  # type: ignore[arg-type]
 
@@ -141,8 +150,9 @@ def load_surface(
     Raises
     ------
     SurfaceFileError
-        If there is no such file, it is damaged, it holds no surface in this version of the
-        format, or one of other parameters; the message names the file and each difference.
+        If there is no such file, it is damaged or was edited, it would fill the memory, it holds
+        no surface in this version of the format, or one of other parameters; the message names the
+        file and each difference.
     TypeError, ValueError
         If an expected parameter is none, or has the wrong kind or range.
 
@@ -194,6 +204,16 @@ def _description(name: str, array: Array) -> dict[str, Any]:
     return {key: value for key, value in known.items() if value is not None}
 
 
+def _checksum(header: dict[str, Any], arrays: Mapping[str, Array]) -> str:
+    """Sum up what a file says, but for the sum itself; not how its JSON is written or packed."""
+    said = {name: value for name, value in header.items() if name != "checksum"}
+    found = hashlib.blake2b(json.dumps(said, sort_keys=True).encode(), digest_size=16)
+    for name, array in sorted(arrays.items()):
+        found.update(f"{name} {array.dtype.str} {array.shape}".encode())
+        found.update(np.ascontiguousarray(array).data)
+    return found.hexdigest()
+
+
 # Reading. Errors become SurfaceFileErrors, to which `load_surface` adds the name of the file.
 
 
@@ -201,8 +221,13 @@ def _read(file: str) -> RampSurface:
     with _opened(file) as handle:
         try:
             with zipfile.ZipFile(handle) as archive:
+                _require_sound_sizes(archive, os.fstat(handle.fileno()).st_size)
                 header = _header(archive)
-                return _surface(header, _arrays(archive, header))
+                arrays = _arrays(archive, header)
+                surface = _surface(header, arrays)
+                if header["checksum"] != _checksum(header, arrays):
+                    raise _damaged("its numbers are not those that were saved, or edited since")
+                return surface
         except SurfaceFileError:
             raise
         except zipfile.BadZipFile as error:
@@ -214,7 +239,7 @@ def _read(file: str) -> RampSurface:
 
 def _opened(file: str) -> BinaryIO:
     try:
-        if stat.S_ISREG(os.stat(file).st_mode):  # first: to open a pipe may wait for ever
+        if is_regular(file):  # first: to open a pipe may wait for ever
             return open(file, "rb")
         fault = "no file but a folder or device: type the name of a saved surface"
     except FileNotFoundError:
@@ -234,13 +259,33 @@ def _damaged(fault: str) -> SurfaceFileError:
     return SurfaceFileError(f"damaged: {fault}; copy it again, or {ANEW}")
 
 
+def _require_sound_sizes(archive: zipfile.ZipFile, size: int) -> None:
+    """Refuse an archive that fills the memory; it cannot inflate to more than it declares."""
+    members = archive.infolist()
+    if odd := [member.filename for member in members if member.compress_type not in UNZIPPED]:
+        raise _damaged(f"{_listed(odd)} is packed in another way than NumPy's")
+    whole = sum(member.file_size for member in members)
+    if whole > INFLATION * size:
+        raise _damaged(f"it has {size} bytes, and would inflate to {whole}")
+
+
+def _require_declared_size(archive: zipfile.ZipFile, name: str) -> None:
+    """Check the shape of an array against its bytes, before there is memory taken for it."""
+    with archive.open(name) as member:
+        if np.lib.format.read_magic(member) != (1, 0):
+            raise ValueError("its header is none of NumPy's first version")
+        shape, _, dtype = np.lib.format.read_array_header_1_0(member)
+        declared, found = math.prod(shape) * dtype.itemsize, archive.getinfo(name).file_size
+        if not dtype.hasobject and member.tell() + declared != found:
+            raise ValueError(f"shape {shape} of {dtype} does not make its {found} bytes")
+
+
 def _array(archive: zipfile.ZipFile, name: str) -> Array:
     try:
+        _require_declared_size(archive, f"{name}.npy")
         with archive.open(f"{name}.npy") as member:
             array: Array = np.lib.format.read_array(member, allow_pickle=False)
-            # To read to the end checks the sum of all bytes, too.
-            if member.read(1):
-                raise ValueError("it is longer than its shape")
+            member.read(1)  # to read to the end checks the sum of all bytes
     except Exception as error:  # of any kind, for anything may be in the file
         raise _damaged(f"{name!r} cannot be read ({_reason(error)})") from None
     return array

@@ -9,6 +9,8 @@ import ast
 import importlib
 import inspect
 import re
+import subprocess
+import sys
 import textwrap
 from collections.abc import Iterator
 from functools import cached_property
@@ -325,7 +327,14 @@ def test_the_package_is_typed():
     assert files("bridgectl").joinpath("py.typed").is_file()
 
 
-def test_tab_completion_lists_what_is_loaded_late():
-    assert {"dampers", "plots", "score", "Scoreboard", "measures", "daf"} <= set(dir(bc))
-    for name in bc.LAZY:
+def test_tab_completion_lists_what_is_offered_and_nothing_else():
+    assert set(dir(bc)) == {*bc.__all__, *bc._ROOMS, "__version__"}
+    for name in bc._ROOMS:
         assert inspect.ismodule(getattr(bc, name))
+    with pytest.raises(AttributeError, match="module 'bridgectl' has no attribute 'LAZY'"):
+        _ = bc.LAZY
+
+
+def test_nothing_is_loaded_before_it_is_used():
+    program = "import sys, bridgectl; assert not {'numpy', 'control'} & sys.modules.keys()"
+    subprocess.run([sys.executable, "-c", program], check=True)

@@ -90,10 +90,24 @@ def test_the_damper_counts_and_not_the_strategy_alone(roads, board):
     assert constant.values["dae"][0] == pytest.approx(board.values["dae"][0], abs=1e-4)
 
 
-def test_several_processes_find_the_same(roads, board):
-    again = scored(roads, workers=2)
-    for name in MEASURES:
-        assert np.array_equal(again.values[name], board.values[name])
+def test_several_processes_and_a_resumed_run_find_the_same_to_the_bit(roads, board, tmp_path):
+    file = tmp_path / "score.jsonl"
+    scored(roads, STRATEGIES[:1], resume=file)
+    for again in (scored(roads, workers=2, resume=file), scored(roads, workers=1, resume=file)):
+        for name in MEASURES:
+            assert np.array_equal(again.values[name], board.values[name]), name
+        assert np.array_equal(again.daf_smooth, board.daf_smooth)
+        assert np.array_equal(again.fourth_power_95, board.fourth_power_95)
+
+
+def test_an_edited_number_of_a_kept_part_is_told_and_not_used(roads, board, tmp_path):
+    file = tmp_path / "score.jsonl"
+    scored(roads, STRATEGIES[:1], resume=file)
+    file.write_text(file.read_text().replace('"daf": [[', '"daf": [[-'))
+    with pytest.warns(UserWarning, match=f"line 2 of {file} is damaged and not used") as told:
+        again = scored(roads, STRATEGIES[:1], resume=file)
+    assert [warning.filename for warning in told] == [__file__]
+    assert np.array_equal(again.values["daf"], board.values["daf"][:1])
 
 
 def test_differences_are_paired_over_roads(board):

@@ -1,10 +1,12 @@
 """Saved ramp surfaces come back to the bit, or are refused with one line."""
 
 import dataclasses
+import io
 import json
 import os
 import random
 import sys
+import tracemalloc
 import warnings
 import zipfile
 
@@ -105,12 +107,14 @@ def refused(file, **expected):
     return message
 
 
-def rewritten(file, change):
-    """Change the arrays of a file, and its header, by a function of both."""
+def rewritten(file, change, *, summed=False):
+    """Change arrays and header of a file by a function of both; the sum stays or is made anew."""
     with np.load(file) as saved:
         arrays = dict(saved)
     header = json.loads(str(arrays.pop("header")))
     change(header, arrays)
+    if summed:
+        header["checksum"] = surface_file._checksum(header, arrays)
     np.savez(file, header=np.array(json.dumps(header)), **arrays)
 
 
@@ -146,7 +150,7 @@ def test_a_file_tells_what_it_holds_without_bridgectl(surface, tmp_path):
     with np.load(tmp_path / "surface.npz", allow_pickle=False) as saved:
         arrays = dict(saved)
     header = json.loads(str(arrays.pop("header")))
-    assert (header["format"], header["version"]) == ("bridgectl ramp surface", 1)
+    assert (header["format"], header["version"]) == ("bridgectl ramp surface", 2)
     assert header["bridgectl"] == bc.__version__
     assert header["parameters"]["beam.length"] == 25.0
     assert header["units"]["beam.flexural_rigidity"] == "N m^2"
@@ -183,9 +187,9 @@ def test_a_new_field_of_a_surface_is_saved_without_further_ado(small, tmp_path, 
     assert "colour is 'red' in the file, 'blue' expected" in refused(path, colour="blue")
     assert surface_to_xarray(surface).attrs["flag"] == 1
 
-    rewritten(path, lambda header, arrays: header["parameters"].pop("share"))
+    rewritten(path, lambda header, arrays: header["parameters"].pop("share"), summed=True)
     assert load_surface(path).share == 0.5  # a file from before the field: its default
-    rewritten(path, lambda header, arrays: header["parameters"].pop("colour"))
+    rewritten(path, lambda header, arrays: header["parameters"].pop("colour"), summed=True)
     assert "lacks 'colour'" in refused(path)
     save_surface(surface, path)
     monkeypatch.setitem(surface_file._CLASSES, "RampSurface", bc.RampSurface)
@@ -315,7 +319,8 @@ def parameter(name, value):
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (lambda h, a: h.update(version=2), "has version 2 of the format, by bridgectl 0"),
+        (lambda h, a: h.update(version=1), "has version 1 of the format, by bridgectl 0"),
+        (lambda h, a: h.pop("checksum"), "no valid surface, or damaged (KeyError: 'checksum')"),
         (lambda h, a: h.update(format="roads"), "its 'header' does not say 'bridgectl ramp surf"),
         (lambda h, a: h.pop("parameters"), "damaged (KeyError: 'parameters')"),
         (lambda h, a: h.update(parameters=[1]), "no valid surface, or damaged (TypeError"),
@@ -353,6 +358,38 @@ def test_a_surface_that_does_not_fit_is_refused(file, change, says):
     assert says in refused(file)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        parameter("section", 0.45),
+        parameter("recovery", "exact"),
+        parameter("ramp_height", 2e-3),
+        parameter("beam.length", np.nextafter(25.0, 0)),
+        parameter("beam.n_modes", 2),
+        parameter("beam.damping_ratio", 0.01),
+        parameter("beam.flexural_rigidity", 4.86535e9),
+        parameter("vehicle.damping", 12e3),
+        changed("speeds", lambda a: a + 1e-9),
+        changed("daf_smooth", lambda a: np.where(a == a[0], np.nextafter(a, 9), a)),
+        changed("histories.rows", lambda a: -a),
+        lambda h, a: h.update(bridgectl="0.0.9"),
+        lambda h, a: h.update(checksum=h["checksum"][::-1]),
+    ],
+)
+def test_a_surface_that_was_edited_is_refused_even_if_it_fits(file, change):
+    rewritten(file, change)
+    assert refused(file).startswith("damaged: its numbers are not those that were saved, or edit")
+
+
+def test_a_header_that_says_the_same_in_another_layout_is_the_same(file, small):
+    with np.load(file) as saved:
+        arrays = dict(saved)
+    header = json.loads(str(arrays.pop("header")))
+    laid_out = json.dumps(dict(reversed(header.items())), indent=4)
+    np.savez(file, header=np.array(laid_out), **arrays)
+    assert_equal(load_surface(file), small)
+
+
 def test_too_few_samples_in_a_block_are_noticed(file):
     def shorten(header, arrays):
         for name in ("histories.rows", "histories.direct"):
@@ -380,30 +417,109 @@ def mutated(data, rng):
     return data[:i] + junk + data[i + len(junk) :]
 
 
-def test_a_damaged_file_is_read_as_it_was_or_refused_with_one_line(file, small):
-    data, rng, read = file.read_bytes(), random.Random(0), 0
-    for _ in range(300):
+MANY = pytest.mark.parametrize(
+    ("seed", "count"), [(0, 300), pytest.param(1, 2500, marks=pytest.mark.slow)]
+)
+
+
+@MANY
+def test_a_damaged_file_is_read_as_it_was_or_refused_with_one_line(file, small, seed, count):
+    data, rng, read = file.read_bytes(), random.Random(seed), 0
+    for _ in range(count):
         file.write_bytes(mutated(data, rng))
         surface, _message = loaded_or_refused(file)
         if surface:  # what changed was a time stamp, say
             read += 1
             assert_equal(surface, small)
-    assert 2 < read < 150  # else the damage is of one kind
+    assert 2 < read < count / 2  # else the damage is of one kind
 
 
-def test_a_damaged_header_is_refused_with_one_line(file):
-    """Its sum of bytes is right: what it says is not."""
+@MANY
+def test_a_damaged_header_is_refused_with_one_line(file, small, seed, count):
+    """The zip archive's own sum of bytes is right: what it says is not."""
     with np.load(file) as saved:
         arrays = dict(saved)
-    text, rng, read = str(arrays.pop("header")), random.Random(0), 0
+    text, rng, read = str(arrays.pop("header")), random.Random(seed), 0
     words = ["null", "{}", "[]", '""', "-1", "NaN", "1e999", "0", '"beam"', "true", "[[", "\0"]
     places = [i for i, c in enumerate(text, start=1) if c in ':,"']
-    for _ in range(150):
+    for _ in range(count):
         i = rng.choice(places)
-        damaged = text[:i] + rng.choice(words) + text[i + rng.choice([0, 1, 8]) :]
+        if rng.random() < 0.5:
+            digits = [j for j, c in enumerate(text) if c.isdigit()]
+            j = rng.choice(digits)
+            damaged = text[:j] + rng.choice("0123456789") + text[j + 1 :]
+        else:
+            damaged = text[:i] + rng.choice(words) + text[i + rng.choice([0, 1, 8]) :]
         np.savez(file, header=np.array(damaged), **arrays)
-        read += loaded_or_refused(file)[0] is not None
-    assert read < 50
+        surface, _message = loaded_or_refused(file)
+        if surface:  # a digit became itself
+            read += 1
+            assert_equal(surface, small)
+    assert read < count / 4
+
+
+def test_a_header_of_another_version_of_numpys_format_is_refused(file):
+    with_member(file, "daf_unit.npy", npy((2, 5)).replace(b"\1\0", b"\2\0", 1) + bytes(80))
+    assert "its header is none of NumPy's first version" in refused(file)
+
+
+# Files that fill the memory
+
+
+def peak_memory(function):
+    """Return the largest memory that a function takes [bytes], and what it returns."""
+    tracemalloc.start()
+    try:
+        result = function()
+        return tracemalloc.get_traced_memory()[1], result
+    finally:
+        tracemalloc.stop()
+
+
+def npy(shape):
+    """Return what NumPy writes before the numbers of an array."""
+    head = io.BytesIO()
+    description = {"descr": "<f8", "fortran_order": False, "shape": shape}
+    np.lib.format.write_array_header_1_0(head, description)
+    return head.getvalue()
+
+
+def with_member(file, name, content, how=zipfile.ZIP_DEFLATED, **lies):
+    """Put another array into a file, of which its directory may tell lies."""
+    with zipfile.ZipFile(file) as old:
+        others = {member: old.read(member) for member in old.namelist() if member != name}
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as new:
+        for member, data in others.items():
+            new.writestr(member, data)
+        new.writestr(name, content, how)
+        for field, value in lies.items():
+            setattr(new.filelist[-1], field, value)
+
+
+MANY_ZEROS = 8 * 2 * 5_000_000
+"""80 MB that pack into 80 kB."""
+
+
+@pytest.mark.parametrize(
+    ("shape", "zeros", "options", "says"),
+    [
+        ((2, 5_000_000), MANY_ZEROS, {}, "bytes, and would inflate to 80"),
+        ((2, 5), MANY_ZEROS, {}, "bytes, and would inflate to 80"),
+        ((2, 5), MANY_ZEROS, {"file_size": 208}, "cannot be read (BadZipFile: Bad CRC-32"),
+        ((2, 5_000_000), MANY_ZEROS, {"file_size": 208}, "cannot be read (BadZipFile: Bad CRC-3"),
+        ((2, 5), MANY_ZEROS, {"how": zipfile.ZIP_BZIP2}, "'daf_unit.npy' is packed in another wa"),
+        ((2, 5), MANY_ZEROS, {"how": zipfile.ZIP_LZMA, "file_size": 208}, "is packed in another"),
+        ((2, 10**15), 80, {}, "(shape (2, 1000000000000000) of float64 does not make"),
+        ((-2, -5), 79, {}, "does not make its"),
+        ((2, 5), 88, {}, "(shape (2, 5) of float64 does not make its 216 bytes"),
+    ],
+)
+def test_a_file_that_fills_the_memory_is_refused_before_it_does(file, shape, zeros, options, says):
+    with_member(file, "daf_unit.npy", npy(shape) + bytes(zeros), **options)
+    assert file.stat().st_size < 1e6
+    peak, message = peak_memory(lambda: refused(file))
+    assert says in message
+    assert peak < 20e6  # [bytes]; the arrays would be 80e6
 
 
 def test_a_header_of_too_many_brackets_is_refused(file):
@@ -413,7 +529,7 @@ def test_a_header_of_too_many_brackets_is_refused(file):
 
 def test_a_file_that_python_zips_anew_and_compressed_is_the_same(file, small, tmp_path):
     packed = tmp_path / "packed.npz"
-    with zipfile.ZipFile(file) as old, zipfile.ZipFile(packed, "w", zipfile.ZIP_LZMA) as new:
+    with zipfile.ZipFile(file) as old, zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as new:
         for name in reversed(old.namelist()):
             new.writestr(name, old.read(name))
     assert_equal(load_surface(packed), small)

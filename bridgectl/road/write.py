@@ -79,7 +79,7 @@ def write_profile(
             f"path must end in .csv or .erd, got {os.fspath(path)!r}: type path='road.csv', or "
             "pass format='csv' or format='erd'"
         )
-    with replacing(os.path.realpath(path)) as handle:
+    with replacing(path) as handle:
         handle.writelines(part.encode() for part in _FORMATS[kind](tracks))
 
 
