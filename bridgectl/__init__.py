@@ -26,6 +26,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from bridgectl import li2006
+from bridgectl._plausible import PlausibilityWarning
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing, crossing_system
 from bridgectl.dae import RampSurface
@@ -75,6 +76,7 @@ __all__ = [
     "Crossing",
     "DaeTrust",
     "LiftOffWarning",
+    "PlausibilityWarning",
     "ProfileFileError",
     "QuarterCar",
     "RampSurface",

@@ -6,7 +6,6 @@ speeds, tires. Tire forces are whole forces R, static load included.
 
 from __future__ import annotations
 
-import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._warn import warn
 
 CELL = 0.25
 """Length of a place on the road [m], about that of a tire's contact."""
@@ -405,10 +405,8 @@ def _relative(force: ArrayLike, static_load: ArrayLike) -> FloatArray:
     ratio = forces / _loads(static_load, forces)[..., np.newaxis]
     lowest = np.min(np.mean(ratio, axis=-1), initial=1.0)
     if lowest < 0.5:  # the mean force of a stretch carries the vehicle
-        warnings.warn(
+        warn(
             f"the mean of force is {lowest:.2g} of static_load: is it R - W? Pass R",
-            UserWarning,
-            stacklevel=3,
         )
     return ratio
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -12,7 +11,9 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
+from bridgectl._warn import warn
 from bridgectl.beam import Beam
 from bridgectl.contact import fly
 from bridgectl.crossing import Crossing
@@ -122,6 +123,7 @@ def crossing_response(
     crossing = Crossing(beam, vehicle, speed, section, recovery)
     _checks.choice("method", method, METHODS)
     run = prepare(crossing, profile, start, tail)
+    judge_crossing(crossing, crossing.speed, profile)
     if damper is not None:
         _only_fast(method)
         from bridgectl.dampers.damped import damped_response  # late, for it lies above this module
@@ -146,11 +148,10 @@ def crossing_response(
         nodes, states, forces = flight.nodes, flight.states, flight.forces
     place = first_flight(nodes, forces)
     if place is not None:
-        warnings.warn(
+        warn(
             f"a tire leaves the road, first with the reference tire at x = {place:.2f} m: "
             "simulated with R >= 0; the crossing is not linear there",
             LiftOffWarning,
-            stacklevel=3,
         )
     return _as_response(run, nodes[keep], states[:, keep], forces[:, keep])
 
@@ -207,6 +208,7 @@ def daf(
     crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
     _checks.choice("method", method, METHODS)
     run = prepare(crossing, profile, start)
+    judge_crossing(crossing, c, profile)
     if damper is not None:
         _only_fast(method)
         _checks.choice("effect", effect, ("moment",))
@@ -228,12 +230,11 @@ def daf(
         if place is not None:
             flights[float(c[i])] = place
     if flights:
-        warnings.warn(
+        warn(
             f"a tire leaves the road at {len(flights)} of {c.size} speeds, the slowest "
             f"{min(flights) * 3.6:.0f} km/h, the first place x = {min(flights.values()):.1f} m: "
             "simulated there with R >= 0",
             LiftOffWarning,
-            stacklevel=3,
         )
     return result
 

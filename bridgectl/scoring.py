@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl import measures
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_crossing
 from bridgectl._progress import track
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
@@ -128,6 +129,7 @@ def score(
     """
     devices = _devices(dampers)
     study = _study(beam, vehicle, roads, speeds, approach, departure, section, recovery)
+    judge_crossing(study.crossing, study.speeds, *roads)
     names = tuple(device.strategy.name for device in devices)
     labels = tuple(road.name or f"road {i}" for i, road in enumerate(roads, 1))
     tasks = [

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
+from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
@@ -90,5 +91,6 @@ def simulate_loop(
             f"record has an unknown name, {sorted(unknown)[0]!r}, known: {', '.join(RECORDED)}"
         )
     crossing = Crossing(beam, bare, 1.0, section, recovery)
+    judge_crossing(crossing, c)
     order = np.argsort(c, kind="stable")
     return Loop(crossing, device, c[order], x, z, names).run().of_speeds(np.argsort(order))

@@ -16,7 +16,6 @@ never the solver's number but that of `simulate_loop` with this damping.
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -29,6 +28,7 @@ from scipy import sparse
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
+from bridgectl._warn import warn
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.quarter_car import QuarterCar
@@ -243,11 +243,10 @@ def _agrees(optimum: LoopResult, peak: float) -> bool:
     """Whether the closed loop confirms an optimum; nothing can where the tire leaves the road."""
     if optimum.least_force[0, 0] > 0:
         return bool(abs(optimum.daf[0, 0] - peak) <= AGREEMENT)
-    warnings.warn(
+    warn(
         "the tire leaves the road: the damping is the best of a crossing without lift-off, and "
         "its DAF is that with R >= 0",
         LiftOffWarning,
-        stacklevel=4,
     )
     return True
 
