@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 import bridgectl as bc
+from bridgectl._work import memory_advice
 from bridgectl.cli_score import SCORE_HELP, add_score_options, run_score
 from bridgectl.options import (
     add_bridge_options,
@@ -137,8 +138,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (ValueError, TypeError, NotImplementedError, OSError) as error:
         _tell("error", error)
         return 2
-    except MemoryError:  # so many modes, or a vehicle so stiff, take steps without end
-        _tell("error", "not enough memory: type fewer --modes, or check stiffnesses and damping")
+    except MemoryError:  # the estimate let it through, and knows the cause
+        _tell("error", memory_advice())
         return 2
     return 0
 

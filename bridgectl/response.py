@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._estimates import require_crossing
 from bridgectl._plausible import judge_crossing
+from bridgectl._progress import track
 from bridgectl._threads import on_one_thread
 from bridgectl._warn import warn
 from bridgectl.beam import Beam
@@ -130,6 +132,7 @@ def crossing_response(
 
         asked = np.zeros(0) if timepts is None else _times(timepts, run) * crossing.speed
         return _as_response(*damped_response(run, damper, asked))
+    require_crossing(run, np.array([crossing.speed]), tail=tail, refine=4)
     nodes = run.nodes(crossing.speed, refine=4)
     keep = np.arange(len(nodes))
     if timepts is not None:
@@ -169,6 +172,7 @@ def daf(
     effect: str = "moment",
     method: str = "propagator",
     damper: Damper | Strategy | None = None,
+    progress: bool = True,
 ) -> FloatArray:
     """Dynamic amplification factor: the peak moment, or other effect, over its static peak.
 
@@ -182,6 +186,8 @@ def daf(
         Speeds c [m/s].
     profile, start, method, damper
         See `crossing_response`; with a damper, the effect is the moment.
+    progress : bool, optional
+        Whether a progress bar shows on a terminal while speeds are simulated one by one.
 
     Returns
     -------
@@ -215,6 +221,7 @@ def daf(
         from bridgectl.dampers.damped import damped_dafs
 
         return damped_dafs(run, damper, c)
+    require_crossing(run, c)
     result = np.empty(c.size)
     linear = np.zeros(c.size, dtype=bool)
     if method == "propagator":
@@ -224,7 +231,8 @@ def daf(
             linear[batch] = ~lifts_off(crossing, stretches)
     simulate = _flying_peak if method == "propagator" else _reference_peak
     flights = {}
-    for i in np.nonzero(~linear)[0]:
+    flying = np.nonzero(~linear)[0]
+    for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
         at_speed = run._replace(crossing=replace(crossing, speed=float(c[i])))
         result[i], place = simulate(at_speed)
         if place is not None:

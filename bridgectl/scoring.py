@@ -21,13 +21,14 @@ from bridgectl import _checks as check
 from bridgectl import measures
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
-from bridgectl._progress import track
+from bridgectl._progress import shows, track
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.dae import RampSurface
 from bridgectl.dampers import Damper, Strategy
 from bridgectl.dampers.actuator import as_damper, bare_vehicle
 from bridgectl.dampers.damped import RampsAndRoads, ramps_and_roads
+from bridgectl.dampers.work import require_loop
 from bridgectl.propagator import SAME_PLACE
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.ramps import FeedbackHistories
@@ -130,6 +131,11 @@ def score(
     devices = _devices(dampers)
     study = _study(beam, vehicle, roads, speeds, approach, departure, section, recovery)
     judge_crossing(study.crossing, study.speeds, *roads)
+    bare = replace(study.crossing, vehicle=bare_vehicle(vehicle))
+    require_loop(
+        bare, devices, study.speeds, study.stations, len(roads), n_ramps=study.n_ramps,
+        n_recorded=len(RECORDED), at_once=ROADS_AT_ONCE, announced=not shows(progress),
+    )  # fmt: skip
     names = tuple(device.strategy.name for device in devices)
     labels = tuple(road.name or f"road {i}" for i, road in enumerate(roads, 1))
     tasks = [

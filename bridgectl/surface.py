@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._estimates import require_surface
 from bridgectl._plausible import judge_crossing
 from bridgectl._progress import track
 from bridgectl._threads import on_one_thread
@@ -113,6 +114,7 @@ def ramp_surface(
             f"{method=}: leave them out"
         )
     judge_crossing(crossing, c)
+    require_surface(crossing, c, before, length, method)
     n_ramps = int(np.ceil((before + beam.length) / length - SAME_PLACE))
     positions = -before + length * np.arange(n_ramps)
     edges = np.append(positions, positions[-1] + length)

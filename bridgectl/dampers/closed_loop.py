@@ -18,6 +18,7 @@ from bridgectl.quarter_car import QuarterCar
 from .actuator import Damper, as_damper, bare_vehicle
 from .loop import RECORDED, Loop, LoopResult
 from .strategy import Strategy
+from .work import require_loop
 
 
 @on_one_thread
@@ -92,5 +93,6 @@ def simulate_loop(
         )
     crossing = Crossing(beam, bare, 1.0, section, recovery)
     judge_crossing(crossing, c)
+    require_loop(crossing, [device], c, x, len(z), n_recorded=len(names))
     order = np.argsort(c, kind="stable")
     return Loop(crossing, device, c[order], x, z, names).run().of_speeds(np.argsort(order))

@@ -21,6 +21,7 @@ from .closed_loop import simulate_loop
 from .loop import Ends, Loop, LoopResult
 from .steps import SUSPENSION
 from .strategy import Strategy
+from .work import require_loop
 
 
 def damped_dafs(run: Run, damper: Damper | Strategy, speeds: FloatArray) -> FloatArray:
@@ -69,7 +70,9 @@ def damped_response(
     """
     crossing = _bare(run.crossing)
     x = _stations(run, asked)
-    loop = Loop(crossing, as_damper(damper), np.array([crossing.speed]), x, -run.road(x).T)
+    device, speed = as_damper(damper), np.array([crossing.speed])
+    require_loop(crossing, [device], speed, x, 1)
+    loop = Loop(crossing, device, speed, x, -run.road(x).T)
     places: list[float] = [x[0]]
     states: list[FloatArray] = [np.zeros(crossing.n_states)]
     forces, dampings = [loop.weight], [0.0]
@@ -176,6 +179,10 @@ def ramps_and_roads(
     RampsAndRoads
     """
     whole = np.empty((0, len(stations))) if roads is None else roads
+    require_loop(
+        _bare(crossing), [damper], speeds, stations, len(whole) + 1, n_ramps=n_ramps,
+        n_recorded=len(record), announced=roads is None,
+    )  # fmt: skip
     after = np.arange(len(stations)) > np.arange(n_ramps)[:, np.newaxis]
     # A ramp's road is the smooth one, the first, until the ramp begins.
     elevations = np.vstack([np.zeros((1, len(stations))), whole, -height * after])
