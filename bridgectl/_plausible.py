@@ -24,7 +24,7 @@ RoadProfile: TypeAlias = Any
 Vehicle: TypeAlias = Any
 
 FASTEST = 60.0
-"""No road vehicle crosses a bridge faster [m/s]: 216 km/h."""
+"""No road vehicle crosses a bridge so fast [m/s]: 216 km/h, or 60 km/h without its unit."""
 
 LIGHTEST_VEHICLE = 50.0
 """Vehicles lighter than this [kg] have their masses in tonnes."""
@@ -107,7 +107,7 @@ def _tell(doubts: Iterator[str]) -> None:
 
 
 def _speed_doubts(name: str, fastest: float, remedy: str) -> Iterator[str]:
-    if fastest > FASTEST:
+    if fastest >= FASTEST:
         yield (
             f"{name} of {fastest:.4g} m/s ({fastest * 3.6:.4g} km/h) is faster than any road "
             f"vehicle: {remedy}"

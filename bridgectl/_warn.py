@@ -30,12 +30,13 @@ def warn(message: str, category: type[Warning] = UserWarning) -> None:
     )  # fmt: skip
 
 
-def asker() -> str:
+def asker(depth: int = 1) -> str:
     """Tell who called the public function that asks: 'user', 'command line' or 'package'.
 
     What the package gives itself comes from arguments that were judged when a user gave them.
+    `depth` counts the public function and those between it and this one.
     """
-    frame = next(islice(_frames(), 1, None), None)  # below the function that asks
+    frame = next(islice(_frames(), depth, None), None)
     if frame is None or not _in_package(frame):
         return "user"
     return "command line" if frame.f_code.co_filename in COMMAND_LINE else "package"

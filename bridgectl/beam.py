@@ -134,7 +134,13 @@ class Beam:
         -------
         ndarray, shape (..., n_modes)
             Dimensionless.
+
+        Raises
+        ------
+        ValueError
+            If positions are masked.
         """
+        _checks.refuse_masked("x", x)
         position = np.asarray(x, dtype=np.float64)[..., np.newaxis]
         # The shapes vanish at both supports: clipping to the span is zero off the bridge.
         on_bridge = np.minimum(np.maximum(position, 0.0), self.length)
@@ -158,8 +164,9 @@ class Beam:
         Raises
         ------
         TypeError, ValueError
-            If `section` is not a fraction from 0 to 1.
+            If `section` is not a fraction from 0 to 1, or positions are masked.
         """
+        _checks.refuse_masked("x", x)
         position = np.asarray(x, dtype=np.float64)
         at = _checks.fraction("section", section) * self.length
         rising = position * (1 - at / self.length)

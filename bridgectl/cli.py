@@ -207,14 +207,13 @@ def _run_dae(args: argparse.Namespace) -> None:
             beam, vehicle, speeds, approach=args.approach,
             section=args.section, recovery=args.recovery,
         )  # fmt: skip
-    with working("superposing and simulating"):
-        simulated = bc.daf(
-            beam, vehicle, speeds, road, start=-args.approach,
-            section=args.section, recovery=args.recovery,
-        )  # fmt: skip
-        with warnings.catch_warnings():  # the simulation has told of tires that leave the road
-            warnings.simplefilter("ignore", bc.LiftOffWarning)
-            superposed = surface.superposed_daf(road)
+    simulated = bc.daf(
+        beam, vehicle, speeds, road, start=-args.approach,
+        section=args.section, recovery=args.recovery,
+    )  # fmt: skip
+    with warnings.catch_warnings():  # the simulation has told of tires that leave the road
+        warnings.simplefilter("ignore", bc.LiftOffWarning)
+        superposed = surface.superposed_daf(road)
     study = DaeStudy(surface, vehicle, road, station, surface.dae(road), superposed, simulated)
     if args.plot is not None:
         from bridgectl.plots import dae_figure

@@ -93,15 +93,19 @@ class Crossing:
 
     def __post_init__(self) -> None:
         if not isinstance(self.beam, Beam):
-            raise TypeError(f"beam must be a bridgectl.Beam, got {type(self.beam).__name__}")
+            raise TypeError(
+                f"beam must be a bridgectl.Beam, got {type(self.beam).__name__}: type for example "
+                "bridgectl.Beam(25, 18358, 4.865e10), and the vehicle after it"
+            )
         if not isinstance(self.vehicle, Vehicle | QuarterCar):
             raise TypeError(
                 "vehicle must be a bridgectl.Vehicle or QuarterCar, "
-                f"got {type(self.vehicle).__name__}"
+                f"got {type(self.vehicle).__name__}: type for example "
+                "bridgectl.QuarterCar(9000, 1000, 80e3, 1.8e6, 7e3), after the beam"
             )
         checked: dict[str, object] = {
             "speed": _checks.positive("speed", self.speed, unit="m/s"),
-            "section": _checks.fraction("section", self.section),
+            "section": _checks.fraction("section", self.section, self.beam.length),
             "recovery": _checks.choice("recovery", self.recovery, RECOVERIES),
             "effect": _checks.choice("effect", self.effect, known_effects(self.linear)),
         }

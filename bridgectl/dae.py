@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -126,12 +126,13 @@ class RampSurface:
             return np.asarray(ramps.heights / self.ramp_height)
         if isinstance(roads, Sequence) and any(isinstance(road, RoadProfile) for road in roads):
             return np.array([self.ramps(road) for road in roads])
-        elevations = np.asarray(roads)
-        if elevations.dtype.kind not in "iuf":
+        try:
+            elevations = _checks.floats("roads", cast(ArrayLike, roads), unit="m")
+        except TypeError:
             raise TypeError(
                 "roads must be a RoadProfile, a list of them, or elevations [m] at the surface's "
                 f"stations, got {type(roads).__name__}"
-            )
+            ) from None
         if elevations.ndim not in (1, 2) or elevations.shape[-1] != len(self.positions) + 1:
             raise ValueError(
                 f"roads must have elevations at the {len(self.positions) + 1} stations of the "
@@ -141,7 +142,7 @@ class RampSurface:
         scales /= self.ramp_height
         if not np.isfinite(scales).all():
             raise ValueError("roads must be finite elevations [m]")
-        return np.asarray(scales)
+        return scales
 
     def road(self, drops: ArrayLike, name: str = "") -> RoadProfile:
         """Road of straight ramps: what superposed histories belong to; see `ramps`.

@@ -211,6 +211,7 @@ def daf(
     array([1.0551, 1.1302])
     """
     c = _checks.speeds(speeds)
+    _checks.flag("progress", progress)
     crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
     _checks.choice("method", method, METHODS)
     run = prepare(crossing, profile, start)
@@ -225,7 +226,8 @@ def daf(
     result = np.empty(c.size)
     linear = np.zeros(c.size, dtype=bool)
     if method == "propagator":
-        for batch in speed_batches(run, c):
+        batches = list(speed_batches(run, c))
+        for batch in track(batches, "Simulating crossings", len(batches), show=progress):
             stretches = propagate(run, c[batch], run.nodes(c[batch].min()))
             result[batch] = find_peaks(effect_samples(crossing, stretches[-1]).T).values
             linear[batch] = ~lifts_off(crossing, stretches)

@@ -128,6 +128,13 @@ def score(
     >>> board.strategies
     ('passive 7 kN s/m', 'skyhook')
     """
+    check.flag("progress", progress)
+    if workers is not None:
+        check.integer("workers", workers, at_least=1)
+    if resume is not None and not isinstance(resume, str | os.PathLike):
+        raise TypeError(
+            f'resume must name a file, got {type(resume).__name__}: type resume="score.jsonl"'
+        )
     devices = _devices(dampers)
     study = _study(beam, vehicle, roads, speeds, approach, departure, section, recovery)
     judge_crossing(study.crossing, study.speeds, *roads)
@@ -167,10 +174,19 @@ def score(
     )  # fmt: skip
 
 
+def _listed(value: object) -> bool:
+    return isinstance(value, Sequence) and not isinstance(value, str)
+
+
 def _devices(dampers: Sequence[Damper | Strategy]) -> list[Damper]:
     """Check the strategies."""
     if isinstance(dampers, Damper | Strategy):
         raise TypeError("dampers must be a list of strategies, got one: type [damper]")
+    if not _listed(dampers):
+        raise TypeError(
+            f"dampers must be a list of strategies, got {type(dampers).__name__}: type "
+            "[bridgectl.dampers.passive(7e3), bridgectl.dampers.skyhook(1e3, 30e3)]"
+        )
     devices = [as_damper(damper) for damper in dampers]
     if not devices:
         raise ValueError(
@@ -200,8 +216,10 @@ def _study(
     before = check.not_negative("approach", approach, unit="m")
     after = check.not_negative("departure", departure, unit="m")
     bare_vehicle(vehicle)
-    if isinstance(roads, RoadProfile) or not all(isinstance(road, RoadProfile) for road in roads):
-        raise TypeError("roads must be a list of RoadProfile: type [road]")
+    if not _listed(roads) or not all(isinstance(road, RoadProfile) for road in roads):
+        raise TypeError(
+            "roads must be a list of RoadProfile: type [road], or [bridgectl.read_profile(path)]"
+        )
     if not len(roads):
         raise ValueError("roads must hold a road, got none: type [bridgectl.utia_road()]")
     c = check.speeds(speeds)
@@ -214,7 +232,20 @@ def _study(
         road.require(-before, beam.length + after, f"the crossing, of road {i},")
     elevations = np.array([np.interp(stations, road.x, road.elevation) for road in roads])
     elevations -= elevations[:, :1]
+    _require_different(roads, elevations)
     return replace(study, stations=stations, n_ramps=n_ramps, elevations=elevations)
+
+
+def _require_different(roads: Sequence[RoadProfile], elevations: FloatArray) -> None:
+    """Refuse a road that is given twice: it would look like more evidence than there is."""
+    first: dict[bytes, int] = {}
+    for i, heights in enumerate(np.round(elevations / SAME_PLACE), 1):
+        j = first.setdefault((heights + 0.0).tobytes(), i)  # not -0.0
+        if j != i:
+            raise ValueError(
+                f"roads {j} ({roads[j - 1].name!r}) and {i} ({roads[i - 1].name!r}) are the same, "
+                "and would count twice in confidence intervals: leave one out"
+            )
 
 
 def _run(

@@ -106,7 +106,13 @@ def ramp_surface(
             f"{length:g} m: for a ramp of 1 mm type 1e-3"
         )
     before = _checks.not_negative("approach", approach, unit="m")
+    if isinstance(beam, Beam) and length > beam.length:
+        raise ValueError(
+            f"ramp_length must not exceed the bridge of {beam.length:g} m, got {length:g} m: for "
+            f"{length:g} mm type {length / 1000:g}"
+        )
     _checks.choice("method", method, METHODS)
+    _checks.flag("progress", progress)
     crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
     if damper is not None and (effect != "moment" or method != "propagator"):
         raise ValueError(

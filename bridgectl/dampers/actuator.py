@@ -90,9 +90,24 @@ lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
         )
 
 
-def as_damper(damper: Damper | Strategy) -> Damper:
+def as_damper(damper: object) -> Damper:
     """Return the damper, one of the default kind around a strategy alone."""
-    return damper if isinstance(damper, Damper) else Damper(damper)
+    if isinstance(damper, Damper):
+        return damper
+    if isinstance(damper, Strategy):
+        return Damper(damper)
+    example = "bridgectl.dampers.skyhook(1e3, 30e3)"
+    if isinstance(damper, int | float | np.number) and damper is not True:
+        example = f"bridgectl.dampers.passive({float(damper) / 1e3:g}e3)"
+    elif callable(damper):
+        name = getattr(damper, "__name__", "law").replace("<lambda>", "law")
+        example = (
+            f'{name}(1e3, 30e3), or of a law of your own Strategy("{name}", {name}, 1e3, 30e3)'
+        )
+    raise TypeError(
+        "damper must be a bridgectl.dampers.Damper, or its strategy must be a Strategy, got "
+        f"{type(damper).__name__}: type {example}"
+    )
 
 
 def bare_vehicle(vehicle: Vehicle | QuarterCar) -> QuarterCar:
