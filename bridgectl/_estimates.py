@@ -17,7 +17,7 @@ from bridgectl.propagator import (
 from bridgectl.simulation import BATCH_BYTES, Run
 
 # Measured on one core of 2020, of crossings of 10 states:
-CELL_SECONDS, RAMP_CELL_SECONDS = 4e-6, 15e-6
+CELL_SECONDS, RAMP_CELL_SECONDS = 4e-6, 6e-6
 """Time of a cell on the bridge at one speed; with the histories of ramps."""
 
 APPROACH_SECONDS, RAMP_SECONDS, STEP_SECONDS = 1e-6, 2.5e-6, 1e-5
@@ -46,8 +46,8 @@ def require_crossing(run: Run, speeds: FloatArray, *, tail: float = 0.0, refine:
     ) -> Work:  # fmt: skip
         width = _width(crossing, n_modes, slowest, vehicle) / refine
         bridge, all_of_it = crossing.exit + tail * slowest, crossing.exit + tail * slowest - start
-        on_bridge = (bridge / width) + profile * bridge / all_of_it
-        cells = all_of_it / width + profile
+        cells = max(all_of_it / width, profile)
+        on_bridge = cells * bridge / all_of_it
         n = crossing.n_vehicle + 2 * n_modes
         maps = on_bridge * _map_bytes(crossing, n)
         at_once = np.clip(BATCH_BYTES / maps, 1, speeds)

@@ -13,7 +13,7 @@ import bridgectl as bc
 from bridgectl import _progress, _work
 from bridgectl._estimates import require_crossing, require_surface
 from bridgectl._progress import track
-from bridgectl.dampers import Damper, simulate_loop, skyhook
+from bridgectl.dampers import Damper, passive, simulate_loop, skyhook
 from bridgectl.dampers.actuator import bare_vehicle
 from bridgectl.dampers.work import require_loop
 from bridgectl.road import iso8608_elevations
@@ -53,11 +53,11 @@ HOPELESS = {
         lambda b, c: bc.daf(b, c, 1e-4), "a speed of 0.0001 m/s; a speed of 0.0086 m/s would do",
     ),
     "daf, damping": (
-        lambda b, c: bc.daf(b, dataclasses.replace(c, sprung_mass=2000, damping=9e4), 1e-2),
+        lambda b, c: bc.daf(b, dataclasses.replace(c, tire_stiffness=1e14), 25),
         "stiffnesses, damping and masses",
     ),
     "daf, sampling": (
-        lambda b, c: bc.daf(b, c, 25, damper=DENSE), "sample_time = 1e-09 s; sample_time = 2",
+        lambda b, c: bc.daf(b, c, 25, damper=DENSE), "sample_time = 1e-09 s; sample_time = 9",
     ),
     "response, modes": (
         lambda b, c: bc.crossing_response(many_modes(150), c, 25), "n_modes = 150; n_modes = 50 ",
@@ -79,7 +79,7 @@ HOPELESS = {
         lambda b, c: bc.score([DENSE], b, c, ROADS, 25, approach=10), "sample_time = 1e-09 s",
     ),
     "score, damper": (
-        lambda b, c: bc.score([SKYHOOK, STIFF], b, c, ROADS, 25, approach=10), "c_max = 1e+11",
+        lambda b, c: bc.score([passive(7e3), STIFF], b, c, ROADS, 25, approach=10), "c_max = 1e+11",
     ),
     "surface with a damper": (
         lambda b, c: bc.ramp_surface(b, c, 25, damper=DENSE), "sample_time = 1e-09 s",
@@ -94,6 +94,7 @@ HOPELESS = {
 }  # fmt: skip
 
 
+@pytest.mark.filterwarnings("ignore:the axle moves at")
 @pytest.mark.parametrize("case", HOPELESS)
 def test_hopeless_work_is_refused_at_once_with_its_cause_and_what_would_do(bridge, truck, case):
     call, says = HOPELESS[case]
@@ -119,10 +120,10 @@ def test_what_would_do_does(truck):
 def test_what_studies_need_is_not_refused_and_takes_no_word(truck):
     """The README's benchmarks, 20 modes, a thousand roads, crawling: all within the limits."""
     speeds = np.linspace(50, 150, 101) / 3.6
-    for beam, c in ((bc.li2006.beam(), speeds), (many_modes(20), speeds)):
+    for beam in (bc.li2006.beam(), many_modes(20)):
         crossing = bc.Crossing(beam, truck, 25)
-        require_surface(crossing, c, 200.0, 0.1, "propagator")
-        require_crossing(prepare(crossing, None, -200.0), c)
+        require_crossing(prepare(crossing, None, -200.0), speeds)
+        require_surface(crossing, speeds, 200.0, 0.1, "propagator")
     crossing = bc.Crossing(bc.li2006.beam(43), truck, 0.01)
     run = prepare(crossing, None, 0.0)
     require_crossing(run, np.array([0.03, 1 / 3.6]))
