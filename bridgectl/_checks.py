@@ -113,12 +113,17 @@ def finite(name: str, values: FloatArray, *, unit: str = "") -> None:
 
 def refuse_masked(name: str, value: Any) -> None:
     """Refuse a masked array, or a list with one in it, whose mask hides values."""
-    inside = value if isinstance(value, list | tuple) else ()
-    if not isinstance(value, np.ma.MaskedArray):
-        if not any(isinstance(part, np.ma.MaskedArray) for part in inside):
-            return
-        value = np.ma.array([np.ma.asanyarray(part) for part in inside])
-    mask = np.ma.getmaskarray(value)
+    if isinstance(value, np.ma.MaskedArray):
+        mask = np.ma.getmaskarray(value)
+    elif isinstance(value, list | tuple) and any(
+        isinstance(part, np.ma.MaskedArray) for part in value
+    ):
+        masks = [np.ma.getmaskarray(part) for part in value]
+        if len({part.shape for part in masks}) > 1:
+            return  # rows of different lengths, which are told as such
+        mask = np.array(masks)
+    else:
+        return
     if mask.any():
         where = tuple(int(i) for i in np.argwhere(mask)[0])
         place = f", the first at index {where}" if mask.ndim else ""
@@ -158,9 +163,11 @@ def _hint(value: Any) -> str:
     """What to type for a number in quotes or brackets."""
     bracketed = isinstance(value, list | tuple | np.ndarray) and np.size(value) == 1
     inner = np.ravel(value)[0] if bracketed else value
+    if not isinstance(inner, str | Real):
+        return ""
     try:
         number = float(inner.replace(",", ".") if isinstance(inner, str) else inner)
-    except (TypeError, ValueError):
+    except ValueError:  # some other text
         return ""
     if isinstance(inner, str):
         return f": type {number:g}, without quotes"
