@@ -374,11 +374,8 @@ def switching_count(
 
 def histories(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
     """Check an array (..., n) of one sample or more."""
-    try:
-        n_axes = max(1, np.ndim(value))
-    except ValueError:  # rows of different lengths: the check says so
-        n_axes = 1
-    result = check.array(name, value, (None,) * n_axes, unit=unit)
+    given = check.floats(name, value, unit=unit)
+    result = check.array(name, given, (None,) * max(1, given.ndim), unit=unit)
     if result.shape[-1] == 0:
         raise ValueError(f"{name} must hold one sample or more, got shape {result.shape}")
     return result
