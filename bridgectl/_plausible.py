@@ -19,6 +19,7 @@ from bridgectl._warn import asker, warn
 # The modules of these classes import this one.
 Beam: TypeAlias = Any
 Crossing: TypeAlias = Any
+Damper: TypeAlias = Any
 QuarterCar: TypeAlias = Any
 RoadProfile: TypeAlias = Any
 Vehicle: TypeAlias = Any
@@ -60,6 +61,9 @@ STIFFER_SPRING = 6.0
 SUSPENSION_DAMPING = (1e-3, 4.0)
 """Damping ratios of a body on its suspension that are not 0, with room."""
 
+SLOWEST_SAMPLE, SLOWEST_LAG, WEAKEST, NOISIEST = 0.1, 2.0, 100.0, 1.0
+"""A damper's sample time [s], lag [s], force limit [N] and noise [m/s] that are no use any more."""
+
 ROUGHEST = 0.1
 """Largest rms slope of a road about its grade [m/m]: class H has 0.05."""
 
@@ -93,6 +97,16 @@ def judge_crossing(
         _tell(_speed_doubts(name, fastest, f"for {fastest:.4g} km/h type {fastest:.4g} / 3.6"))
     _tell(_load_doubts(crossing))
     _tell(chain.from_iterable(_road_doubts(road) for road in roads if road is not None))
+
+
+def judge_damper(damper: Damper) -> None:
+    """Warn of a damper whose units are others than s, N and m/s."""
+    _tell(_damper_doubts(damper))
+
+
+def judge_range(car: QuarterCar, *dampers: Damper) -> None:
+    """Warn of dampings that are nothing beside what a vehicle needs."""
+    _tell(chain.from_iterable(_range_doubts(car, damper) for damper in dampers))
 
 
 def judge_kmh(option: str, speeds: FloatArray) -> None:
@@ -212,6 +226,31 @@ def _quarter_car_doubts(car: QuarterCar) -> Iterator[str]:
         yield (
             f"damping = {damping:g} N s/m is {damping / critical:.2g} of the suspension's critical "
             f"damping, {critical:.3g} N s/m: {remedy}"
+        )
+
+
+def _damper_doubts(damper: Damper) -> Iterator[str]:
+    step, lag, force, noise = (
+        damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise
+    )  # fmt: skip
+    if step > SLOWEST_SAMPLE:
+        yield f"sample_time = {step:g} s is slow for any law: for {step:g} ms type {step / 1e3:g}"
+    if lag > SLOWEST_LAG:
+        yield f"lag = {lag:g} s is longer than any damper's: for {lag:g} ms type {lag / 1e3:g}"
+    if force < WEAKEST:
+        yield f"max_force = {force:g} N holds nothing: for {force:g} kN type {force * 1e3:g}"
+    if noise > NOISIEST:
+        yield f"velocity_noise = {noise:g} m/s hides all: for {noise:g} mm/s type {noise / 1e3:g}"
+
+
+def _range_doubts(car: QuarterCar, damper: Damper) -> Iterator[str]:
+    largest = damper.strategy.c_max
+    critical = 2 * float(np.sqrt(car.suspension_stiffness * car.sprung_mass))
+    if 0 < largest < SUSPENSION_DAMPING[0] * critical:
+        yield (
+            f"damper {damper.strategy.name!r} of at most {largest:g} N s/m is nothing beside the "
+            f"suspension's critical damping, {critical:.3g} N s/m: for {largest:g} kN s/m type "
+            f"{1000 * largest:g}"
         )
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._estimates import require_crossing
-from bridgectl._plausible import judge_crossing
+from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._progress import track
 from bridgectl._threads import on_one_thread
 from bridgectl._warn import warn
@@ -109,6 +109,8 @@ def crossing_response(
     -----
     LiftOffWarning
         If a tire leaves the road; the response then has R = 0 in flight.
+    PlausibilityWarning
+        If speed, vehicle, road or damper can hardly be meant; a UserWarning of work of minutes.
 
     References
     ----------
@@ -128,8 +130,10 @@ def crossing_response(
     judge_crossing(crossing, crossing.speed, profile)
     if damper is not None:
         _only_fast(method)
-        from bridgectl.dampers.damped import damped_response  # late, for it lies above this module
+        from bridgectl.dampers.actuator import as_damper, bare_vehicle  # late, as they lie above
+        from bridgectl.dampers.damped import damped_response
 
+        judge_range(bare_vehicle(vehicle), as_damper(damper))
         asked = np.zeros(0) if timepts is None else _times(timepts, run) * crossing.speed
         return _as_response(*damped_response(run, damper, asked))
     require_crossing(run, np.array([crossing.speed]), tail=tail, refine=4)
@@ -202,6 +206,8 @@ def daf(
     -----
     LiftOffWarning
         If a tire leaves the road at some speeds, which are then simulated with R >= 0.
+    PlausibilityWarning, UserWarning
+        As `crossing_response`.
 
     Examples
     --------
@@ -219,8 +225,10 @@ def daf(
     if damper is not None:
         _only_fast(method)
         _checks.choice("effect", effect, ("moment",))
+        from bridgectl.dampers.actuator import as_damper, bare_vehicle
         from bridgectl.dampers.damped import damped_dafs
 
+        judge_range(bare_vehicle(vehicle), as_damper(damper))
         return damped_dafs(run, damper, c)
     require_crossing(run, c)
     result = np.empty(c.size)

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl import measures
 from bridgectl._checks import FloatArray
-from bridgectl._plausible import judge_crossing
+from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._progress import shows, track
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
@@ -114,7 +114,14 @@ def score(
     ------
     TypeError, ValueError
         If an argument is not what is described above: no strategies, two of one name, a road that
-        is too short, or a file of another study.
+        is too short or given twice, or a file of another study.
+
+    Warns
+    -----
+    PlausibilityWarning
+        If speeds, vehicle, roads or dampers can hardly be meant.
+    UserWarning
+        If it takes minutes and no progress bar shows.
 
     Examples
     --------
@@ -138,6 +145,7 @@ def score(
     devices = _devices(dampers)
     study = _study(beam, vehicle, roads, speeds, approach, departure, section, recovery)
     judge_crossing(study.crossing, study.speeds, *roads)
+    judge_range(vehicle, *devices)
     bare = replace(study.crossing, vehicle=bare_vehicle(vehicle))
     require_loop(
         bare, devices, study.speeds, study.stations, len(roads), n_ramps=study.n_ramps,

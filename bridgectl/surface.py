@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._estimates import require_surface
-from bridgectl._plausible import judge_crossing
+from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._progress import track
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
@@ -81,7 +81,15 @@ def ramp_surface(
     Raises
     ------
     TypeError, ValueError
-        If a parameter has the wrong kind, shape or range; the message names it.
+        If a parameter has the wrong kind, shape or range, or the work would be too much; the
+        message names it.
+
+    Warns
+    -----
+    PlausibilityWarning
+        If speeds, vehicle or damper can hardly be meant.
+    UserWarning
+        If it takes minutes.
 
     References
     ----------
@@ -130,6 +138,7 @@ def ramp_surface(
         from bridgectl.dampers.actuator import as_damper, bare_vehicle
         from bridgectl.dampers.damped import ramp_dafs
 
+        judge_range(bare_vehicle(vehicle), as_damper(damper))
         if (constant := as_damper(damper).constant) is not None:  # a vehicle like any other
             return ramp_surface(
                 beam, replace(bare_vehicle(vehicle), damping=constant), c, approach=before,

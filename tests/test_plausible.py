@@ -13,7 +13,7 @@ import pytest
 from helpers import run_command
 
 import bridgectl as bc
-from bridgectl.dampers import groundhook, passive, simulate_loop, skyhook
+from bridgectl.dampers import Damper, groundhook, passive, simulate_loop, skyhook
 from bridgectl.li2006 import DECKS
 from bridgectl.road.footprint import tire_footprint
 from bridgectl.weighting import weighted_rms
@@ -110,6 +110,20 @@ def test_stiffness_in_kilonewtons_of_any_vehicle_is_told(truck):
         )  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("slip", "says"),
+    [
+        ({"sample_time": 2}, "sample_time = 2 s .*for 2 ms type 0.002"),
+        ({"lag": 10}, "lag = 10 s .*for 10 ms type 0.01"),
+        ({"max_force": 20}, "max_force = 20 N .*for 20 kN type 20000"),
+        ({"velocity_noise": 5}, "velocity_noise = 5 m/s .*for 5 mm/s type 0.005"),
+    ],
+)
+def test_a_dampers_units_are_told(slip, says):
+    with pytest.warns(bc.PlausibilityWarning, match=says):
+        Damper(passive(7e3), **slip)
+
+
 ROAD = bc.iso8608_profile("A", 35, seed=0, start=-10)
 JUMP = bc.RoadProfile([-10, 2, 3, 3.1, 40], [0, 0, 0.09, 0, 0])
 STATIONS = np.linspace(0, 25, 251)
@@ -146,6 +160,20 @@ ENTRIES = {
     "Vehicle": lambda b, c: bc.Vehicle([[9.0]], [[0.0]], [[0.0]], [1800.0]),
     "daf, lift-off": lambda b, c: bc.daf(b, c, [10, 12], JUMP, start=-10),
     "crossing_response, lift-off": lambda b, c: bc.crossing_response(b, c, 10, JUMP, start=-10),
+    "Damper": lambda b, c: Damper(passive(7e3), sample_time=2),
+    "daf, damper in kN": lambda b, c: bc.daf(b, c, 20, damper=passive(7)),
+    "crossing_response, damper in kN": lambda b, c: bc.crossing_response(
+        b, c, 20, damper=skyhook(1, 30)
+    ),
+    "ramp_surface, damper in kN": lambda b, c: bc.ramp_surface(
+        b, c, 20, ramp_length=5.0, damper=passive(7)
+    ),
+    "simulate_loop, damper in kN": lambda b, c: simulate_loop(
+        b, c, skyhook(1, 30), 20, STATIONS, 0 * STATIONS
+    ),
+    "score, dampers in kN": lambda b, c: bc.score(
+        [passive(7), skyhook(1, 30)], b, c, [ROAD], 20, approach=10, workers=1
+    ),
     "footprint": lambda b, c: tire_footprint(JUMP, 0.2),
     "weighting": lambda b, c: weighted_rms(np.ones(50), 0.05),
     "measures": lambda b, c: bc.measures.road_stress_factor(np.zeros(9), 98100.0),

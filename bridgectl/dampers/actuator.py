@@ -8,6 +8,7 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_damper
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.vehicle import Vehicle
 
@@ -41,6 +42,11 @@ class Damper:
     TypeError, ValueError
         If an argument is not what is described above.
 
+    Warns
+    -----
+    PlausibilityWarning
+        If times look like ms, the force like kN, or the noise like mm/s.
+
     Examples
     --------
     >>> from bridgectl.dampers import Damper, skyhook
@@ -68,6 +74,7 @@ lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
             raise ValueError(f"max_force must be above 0 [N], got {self.max_force}")
         check.not_negative("velocity_noise", self.velocity_noise, unit="m/s")
         check.integer("seed", self.seed, at_least=0)
+        judge_damper(self)
 
     @property
     def constant(self) -> float | None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
-from bridgectl._plausible import judge_crossing
+from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
@@ -93,6 +93,7 @@ def simulate_loop(
         )
     crossing = Crossing(beam, bare, 1.0, section, recovery)
     judge_crossing(crossing, c)
+    judge_range(vehicle, device)
     require_loop(crossing, [device], c, x, len(z), n_recorded=len(names))
     order = np.argsort(c, kind="stable")
     return Loop(crossing, device, c[order], x, z, names).run().of_speeds(np.argsort(order))
