@@ -86,7 +86,7 @@ def require_surface(
         seconds = on_bridge * RAMP_CELL_SECONDS * (n / 10) ** 2 + n_ramps * RAMP_SECONDS
         return Work(
             2 * kept + TEMPORARY * on_bridge * _map_bytes(crossing, n), speeds * seconds,
-            on_bridge + n_ramps,
+            (approach + crossing.exit) / width,
         )  # fmt: skip
 
     require_feasible(work, arguments, announced=method != "control")  # which has a progress bar

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import warnings
 from collections.abc import Iterator
@@ -55,4 +56,4 @@ def _frames() -> Iterator[FrameType]:
 
 
 def _in_package(frame: FrameType) -> bool:
-    return frame.f_code.co_filename.startswith(str(HERE))
+    return frame.f_code.co_filename.startswith(f"{HERE}{os.sep}")

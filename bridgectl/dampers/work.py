@@ -48,7 +48,7 @@ def require_loop(
     """
     dense = min(dampers, key=lambda damper: damper.sample_time)
     stiff = max(dampers, key=lambda damper: damper.strategy.c_max)
-    spacing = float(np.diff(stations).min())
+    spacing = float(np.ptp(stations) / (stations.size - 1))  # as a mean
     arguments = {
         "n_modes": at_most(crossing.beam.n_modes, 3),
         "speeds": at_most(speeds.size, 101, what="{value} speeds"),
