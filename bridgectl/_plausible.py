@@ -96,6 +96,11 @@ def judge_crossing(
         name, fastest = "speed" if np.ndim(speeds) == 0 else "speeds", float(np.max(speeds))
         _tell(_speed_doubts(name, fastest, f"for {fastest:.4g} km/h type {fastest:.4g} / 3.6"))
     _tell(_load_doubts(crossing))
+    judge_roads(*roads)
+
+
+def judge_roads(*roads: RoadProfile | None) -> None:
+    """Warn of roads that are too steep to be driven."""
     _tell(chain.from_iterable(_road_doubts(road) for road in roads if road is not None))
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_roads
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
@@ -190,6 +191,11 @@ class RampSurface:
         TypeError, ValueError
             As `ramps`.
 
+        Warns
+        -----
+        PlausibilityWarning
+            If a road is too steep to be driven, as of elevations in mm.
+
         References
         ----------
         Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eqs. (14), (15).
@@ -206,6 +212,7 @@ class RampSurface:
         1.0648
         """
         estimate: FloatArray = self.ramps(roads) @ self.daf_difference.T
+        judge_roads(*_profiles(roads))
         estimate += self.daf_smooth
         return estimate
 
@@ -259,6 +266,7 @@ class RampSurface:
         """
         scales = self.ramps(roads)
         drops = np.atleast_2d(scales) * self.ramp_height
+        judge_roads(*_profiles(roads))
         values = np.hstack([self._superposed(part) for part in road_parts(drops.T)])
         for road in np.nonzero(~np.isfinite(values).all(axis=0))[0]:
             again = ~np.isfinite(values[:, road])
@@ -345,6 +353,12 @@ class RampSurface:
         return Crossing(
             self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery, self.effect
         )
+
+
+def _profiles(roads: Roads) -> list[RoadProfile]:
+    """Those of the roads that are profiles; arrays at stations may be anything."""
+    listed = roads if isinstance(roads, Sequence) else [roads]
+    return [road for road in listed if isinstance(road, RoadProfile)]
 
 
 def road_parts(drops: FloatArray) -> Iterator[FloatArray]:

@@ -127,6 +127,9 @@ def test_a_dampers_units_are_told(slip, says):
 ROAD = bc.iso8608_profile("A", 35, seed=0, start=-10)
 JUMP = bc.RoadProfile([-10, 2, 3, 3.1, 40], [0, 0, 0.09, 0, 0])
 STATIONS = np.linspace(0, 25, 251)
+SURFACE = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), 25, ramp_length=0.5)
+ALMOST_FLAT = bc.RoadProfile(0.5 * np.arange(51), 2e-4 * (np.arange(51) % 2))
+STEEP = bc.RoadProfile(ALMOST_FLAT.x, 1000 * ALMOST_FLAT.elevation)
 ENTRIES = {
     "daf": lambda b, c: bc.daf(b, c, 80),
     "daf, constant damper": lambda b, c: bc.daf(b, c, 80, damper=passive(7e3)),
@@ -174,6 +177,7 @@ ENTRIES = {
     "score, dampers in kN": lambda b, c: bc.score(
         [passive(7), skyhook(1, 30)], b, c, [ROAD], 20, approach=10, workers=1
     ),
+    "dae, road in mm": lambda b, c: SURFACE.dae([ALMOST_FLAT, STEEP]),
     "footprint": lambda b, c: tire_footprint(JUMP, 0.2),
     "weighting": lambda b, c: weighted_rms(np.ones(50), 0.05),
     "measures": lambda b, c: bc.measures.road_stress_factor(np.zeros(9), 98100.0),

@@ -27,6 +27,7 @@ from scipy import sparse
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
 from bridgectl._warn import warn
 from bridgectl.beam import Beam
@@ -193,6 +194,7 @@ def clairvoyant(
     soft, stiff = damping_bounds(c_min, c_max)
     crossing = Crossing(beam, bare, speed, section, recovery)
     run = prepare(crossing, road, start)
+    judge_crossing(crossing, crossing.speed, road)
     held = check.positive("step", step, unit="s")
     own = float(np.clip(vehicle.damping, soft, stiff))
     for longest in STEPS:
