@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from bridgectl import li2006
+    from bridgectl._plausible import PlausibilityWarning
     from bridgectl.beam import Beam
     from bridgectl.crossing import Crossing, crossing_system
     from bridgectl.dae import RampSurface
@@ -55,6 +56,7 @@ __all__ = [
     "Crossing",
     "DaeTrust",
     "LiftOffWarning",
+    "PlausibilityWarning",
     "ProfileFileError",
     "QuarterCar",
     "RampSurface",
@@ -85,6 +87,7 @@ _ROOMS = (
 """Modules that are offered as such."""
 
 _HOMES = {
+    "_plausible": ("PlausibilityWarning",),
     "beam": ("Beam",),
     "crossing": ("Crossing", "crossing_system"),
     "dae": ("RampSurface",),

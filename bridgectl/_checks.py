@@ -14,9 +14,10 @@ FloatArray = NDArray[np.floating[Any]]
 
 def number(name: str, value: Any, *, unit: str = "") -> float:
     """Return `value` as a finite float, or say which argument is not one."""
-    scalar = isinstance(value, Real) or (isinstance(value, np.ndarray) and value.ndim == 0)
-    if isinstance(value, bool) or not scalar:
-        raise TypeError(f"{name} must be one number{_in(unit)}, got {_short(value)}")
+    zero_d = isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "iuf"
+    if isinstance(value, bool) or not (isinstance(value, Real) or zero_d):
+        raise TypeError(f"{name} must be one number{_in(unit)}, got {_short(value)}{_hint(value)}")
+    refuse_masked(name, value)
     result = float(value)
     if not np.isfinite(result):
         raise ValueError(f"{name} must be finite{_in(unit)}, got {result}")
@@ -27,7 +28,8 @@ def positive(name: str, value: Any, *, unit: str = "") -> float:
     """Return `value` as a float above zero."""
     result = number(name, value, unit=unit)
     if result <= 0:
-        raise ValueError(f"{name} must be above 0{_in(unit)}, got {result:g}")
+        remedy = f": type {-result:g}" if result < 0 else ""
+        raise ValueError(f"{name} must be above 0{_in(unit)}, got {result:g}{remedy}")
     return result
 
 
@@ -35,17 +37,22 @@ def not_negative(name: str, value: Any, *, unit: str = "") -> float:
     """Return `value` as a float of at least zero."""
     result = number(name, value, unit=unit)
     if result < 0:
-        raise ValueError(f"{name} must be 0 or more{_in(unit)}, got {result:g}")
+        raise ValueError(f"{name} must be 0 or more{_in(unit)}, got {result:g}: type {-result:g}")
     return result
 
 
-def fraction(name: str, value: Any) -> float:
-    """Return `value` as a float strictly between 0 and 1."""
+def fraction(name: str, value: Any, length: float | None = None) -> float:
+    """Return `value` as a float strictly between 0 and 1, of a span of `length` [m]."""
     result = number(name, value)
     if not 0 < result < 1:
+        remedies = []
+        if length is not None and 1 < result < length:
+            remedies.append(f"for {result:g} m of {length:g} m type {result / length:.4g}")
+        if 1 < result < 100:
+            remedies.append(f"for {result:g} percent type {result / 100:g}")
         raise ValueError(
             f"{name} must lie between 0 and 1 (a fraction of the span, 0.5 for mid-span), "
-            f"got {result:g}"
+            f"got {result:g}{': ' * bool(remedies)}{', '.join(remedies)}"
         )
     return result
 
@@ -53,7 +60,7 @@ def fraction(name: str, value: Any) -> float:
 def integer(name: str, value: Any, *, at_least: int) -> int:
     """Return `value` as an int of at least `at_least`."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise TypeError(f"{name} must be a whole number, got {_short(value)}")
+        raise TypeError(f"{name} must be a whole number, got {_short(value)}{_hint(value)}")
     if value < at_least:
         raise ValueError(f"{name} must be {at_least} or more, got {value}")
     return int(value)
@@ -71,29 +78,65 @@ def array(
     name: str, value: ArrayLike, shape: tuple[int | None, ...], *, unit: str = ""
 ) -> FloatArray:
     """Return a read-only float copy of `value` of the given shape (None: any length)."""
-    try:
-        given = np.asarray(value)
-    except ValueError as error:  # rows of different lengths
-        raise TypeError(f"{name} must be an array of numbers{_in(unit)}: {error}") from None
-    if given.dtype.kind not in "iuf" and given.size > 0:
-        raise TypeError(f"{name} must be an array of numbers{_in(unit)}, got {_short(value)}")
-    result = np.array(given, dtype=np.float64)
+    result = floats(name, value, unit=unit)
     expected = tuple("n" if size is None else size for size in shape)
     if result.ndim != len(shape) or any(
         want is not None and want != got for want, got in zip(shape, result.shape, strict=True)
     ):
         shown = "(" + ", ".join(map(str, expected)) + ("," if len(expected) == 1 else "") + ")"
         raise ValueError(f"{name} must have shape {shown}, got {result.shape}")
-    if not np.all(np.isfinite(result)):
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
-        raise ValueError(f"{name} must be finite{_in(unit)}, got {result[where]} at index {where}")
+    finite(name, result, unit=unit)
     result.flags.writeable = False
     return result
 
 
+def floats(name: str, value: ArrayLike, *, unit: str = "") -> FloatArray:
+    """Return a float copy of real numbers of any shape, none of which is masked."""
+    refuse_masked(name, value)
+    try:
+        given = np.asarray(value)
+    except ValueError as error:  # rows of different lengths
+        raise TypeError(f"{name} must be an array of numbers{_in(unit)}: {error}") from None
+    if given.dtype.kind not in "iuf" and given.size > 0:
+        raise TypeError(
+            f"{name} must be an array of numbers{_in(unit)}, got {_short(value)}{_hint(value)}"
+        )
+    return np.array(given, dtype=np.float64)
+
+
+def finite(name: str, values: FloatArray, *, unit: str = "") -> None:
+    """Refuse NaN and infinity, with the first place where there is one."""
+    if not np.all(np.isfinite(values)):
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(values))[0])
+        raise ValueError(f"{name} must be finite{_in(unit)}, got {values[where]} at index {where}")
+
+
+def refuse_masked(name: str, value: Any) -> None:
+    """Refuse a masked array, or a list with one in it, whose mask hides values."""
+    if isinstance(value, np.ma.MaskedArray):
+        mask = np.ma.getmaskarray(value)
+    elif isinstance(value, list | tuple) and any(
+        isinstance(part, np.ma.MaskedArray) for part in value
+    ):
+        masks = [np.ma.getmaskarray(part) for part in value]
+        if len({part.shape for part in masks}) > 1:
+            return  # rows of different lengths, which are told as such
+        mask = np.array(masks)
+    else:
+        return
+    if mask.any():
+        where = tuple(int(i) for i in np.argwhere(mask)[0])
+        place = f", the first at index {where}" if mask.ndim else ""
+        raise ValueError(
+            f"{name} has {mask.sum()} masked values{place}: leave them out everywhere, type "
+            f"keep = ~np.ma.getmaskarray({name}), then {name}[keep] and so on"
+        )
+
+
 def speeds(value: ArrayLike) -> FloatArray:
     """Return speeds as a 1-D array [m/s], all above zero."""
-    result = array("speeds", np.atleast_1d(np.asarray(value)), (None,), unit="m/s")
+    given = floats("speeds", value, unit="m/s")
+    result = array("speeds", np.atleast_1d(given), (None,), unit="m/s")
     if result.size == 0:
         raise ValueError("speeds must hold at least one speed in m/s, got an empty array")
     if np.any(result <= 0):
@@ -103,10 +146,32 @@ def speeds(value: ArrayLike) -> FloatArray:
 
 def choice(name: str, value: Any, allowed: tuple[str, ...]) -> str:
     """Return `value` if it is one of the allowed words."""
-    if value not in allowed:
+    if not isinstance(value, str) or value not in allowed:
         words = ", ".join(repr(word) for word in allowed)
         raise ValueError(f"{name} must be one of {words}, got {_short(value)}")
     return str(value)
+
+
+def flag(name: str, value: Any) -> bool:
+    """Return `value` if it is True or False."""
+    if not isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} must be True or False, got {_short(value)}")
+    return bool(value)
+
+
+def _hint(value: Any) -> str:
+    """What to type for a number in quotes or brackets."""
+    bracketed = isinstance(value, list | tuple | np.ndarray) and np.size(value) == 1
+    inner = np.ravel(value)[0] if bracketed else value
+    if not isinstance(inner, str | Real):
+        return ""
+    try:
+        number = float(inner.replace(",", ".") if isinstance(inner, str) else inner)
+    except ValueError:  # some other text
+        return ""
+    if isinstance(inner, str):
+        return f": type {number:g}, without quotes"
+    return f": type {number:g}, without brackets" if bracketed else ""
 
 
 def _short(value: Any) -> str:

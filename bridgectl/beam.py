@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_beam
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,11 @@ class Beam:
     ValueError
         If a parameter is out of range; the message names it.
 
+    Warns
+    -----
+    PlausibilityWarning
+        If no bridge of that length has such a mass, first frequency or damping.
+
     References
     ----------
     Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eq. (3).
@@ -80,6 +86,7 @@ class Beam:
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
+        judge_beam(self)
 
     def __repr__(self) -> str:
         return (
@@ -127,7 +134,13 @@ class Beam:
         -------
         ndarray, shape (..., n_modes)
             Dimensionless.
+
+        Raises
+        ------
+        ValueError
+            If positions are masked.
         """
+        _checks.refuse_masked("x", x)
         position = np.asarray(x, dtype=np.float64)[..., np.newaxis]
         # The shapes vanish at both supports: clipping to the span is zero off the bridge.
         on_bridge = np.minimum(np.maximum(position, 0.0), self.length)
@@ -151,8 +164,9 @@ class Beam:
         Raises
         ------
         TypeError, ValueError
-            If `section` is not a fraction from 0 to 1.
+            If `section` is not a fraction from 0 to 1, or positions are masked.
         """
+        _checks.refuse_masked("x", x)
         position = np.asarray(x, dtype=np.float64)
         at = _checks.fraction("section", section) * self.length
         rising = position * (1 - at / self.length)
@@ -268,16 +282,16 @@ def beam_states(beam: Beam) -> list[str]:
 
 
 def _checked_damping(value: object, n_modes: int) -> float | tuple[float, ...]:
-    one_number = np.ndim(value) == 0  # type: ignore[arg-type]
+    one_number = isinstance(value, str) or np.ndim(value) == 0  # type: ignore[arg-type]
     ratios = [value] if one_number else list(value)  # type: ignore[call-overload]
     if not one_number and len(ratios) != n_modes:
         raise ValueError(
             f"damping_ratio must be one number or {n_modes} numbers (one a mode), got {len(ratios)}"
         )
     checked = tuple(_checks.not_negative("damping_ratio", ratio) for ratio in ratios)
-    if max(checked) >= 1:
+    if (largest := max(checked)) >= 1:
         raise ValueError(
-            f"damping_ratio must be below 1, got {max(checked):g}; it is a ratio of critical "
-            "damping: for 3 percent type 0.03"
+            f"damping_ratio must be below 1, got {largest:g}; it is a ratio of critical damping: "
+            f"for {largest:g} percent type {largest / 100:g}"
         )
     return checked[0] if one_number else checked

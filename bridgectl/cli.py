@@ -12,6 +12,7 @@ from contextlib import contextmanager, redirect_stdout
 from typing import Any, NoReturn
 
 import bridgectl as bc
+from bridgectl._work import memory_advice
 from bridgectl.cli_score import SCORE_HELP, add_score_options, run_score
 from bridgectl.options import (
     add_bridge_options,
@@ -149,8 +150,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             _drop_output()
         _tell("error", error)
         return 2
-    except MemoryError:  # so many modes, or a vehicle so stiff, take steps without end
-        _tell("error", "not enough memory: type fewer --modes, or check stiffnesses and damping")
+    except MemoryError:  # the estimate let it through, and knows the cause
+        _tell("error", memory_advice())
         return 2
     return 0
 
@@ -251,14 +252,13 @@ def _run_dae(args: argparse.Namespace) -> None:
             beam, vehicle, speeds, approach=args.approach,
             section=args.section, recovery=args.recovery,
         )  # fmt: skip
-    with working("superposing and simulating"):
-        simulated = bc.daf(
-            beam, vehicle, speeds, road, start=-args.approach,
-            section=args.section, recovery=args.recovery,
-        )  # fmt: skip
-        with warnings.catch_warnings():  # the simulation has told of tires that leave the road
-            warnings.simplefilter("ignore", bc.LiftOffWarning)
-            superposed = surface.superposed_daf(road)
+    simulated = bc.daf(
+        beam, vehicle, speeds, road, start=-args.approach,
+        section=args.section, recovery=args.recovery,
+    )  # fmt: skip
+    with warnings.catch_warnings():  # the simulation has told of tires that leave the road
+        warnings.simplefilter("ignore", bc.LiftOffWarning)
+        superposed = surface.superposed_daf(road)
     study = DaeStudy(surface, vehicle, road, station, surface.dae(road), superposed, simulated)
     if args.plot is not None:
         from bridgectl.plots import dae_figure

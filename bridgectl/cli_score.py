@@ -12,6 +12,7 @@ import numpy as np
 
 import bridgectl as bc
 from bridgectl import _checks as check
+from bridgectl._work import Work, at_most, require_feasible
 from bridgectl.options import (
     add_bridge_options,
     add_file_options,
@@ -31,6 +32,7 @@ from bridgectl.options import (
     tell_drawn,
     working,
 )
+from bridgectl.surface import RAMP_LENGTH
 
 if TYPE_CHECKING:
     from bridgectl.dampers import Damper, Strategy
@@ -258,9 +260,20 @@ def _named_apart(roads: list[bc.RoadProfile], paths: Sequence[Path]) -> list[bc.
     ]
 
 
+def _require_feasible(number: int, length: float) -> None:
+    """Refuse more random roads than can be made and kept."""
+
+    def work(**given: float) -> Work:
+        roads = len(RANDOM_CLASSES) * given["--random"]
+        return Work(4 * 8 * roads * length / RAMP_LENGTH, 2e-3 * roads)
+
+    require_feasible(work, {"--random": at_most(number, 100)})
+
+
 def _random_roads(args: argparse.Namespace, span: float) -> list[bc.RoadProfile]:
     """Random roads, of which the first ones stay the same when more are asked for."""
     length = args.approach + span + args.departure
+    _require_feasible(args.random, length)
     found = []
     for iso_class in RANDOM_CLASSES:
         for number in range(1, args.random + 1):

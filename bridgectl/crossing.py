@@ -7,7 +7,6 @@ upward, and turn into r in one place, `RoadProfile.drop`.
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_crossing
 from bridgectl.beam import Beam, beam_states
 from bridgectl.effects import EffectRows, effect_rows, known_effects, static_peak
 from bridgectl.quarter_car import QuarterCar
@@ -67,8 +67,8 @@ class Crossing:
 
     Warns
     -----
-    UserWarning
-        If the vehicle is heavier than the bridge: masses may be in tonnes.
+    PlausibilityWarning
+        If the vehicle is heavier than the bridge, or faster than 216 km/h.
 
     References
     ----------
@@ -93,27 +93,25 @@ class Crossing:
 
     def __post_init__(self) -> None:
         if not isinstance(self.beam, Beam):
-            raise TypeError(f"beam must be a bridgectl.Beam, got {type(self.beam).__name__}")
+            raise TypeError(
+                f"beam must be a bridgectl.Beam, got {type(self.beam).__name__}: type for example "
+                "bridgectl.Beam(25, 18358, 4.865e10), and the vehicle after it"
+            )
         if not isinstance(self.vehicle, Vehicle | QuarterCar):
             raise TypeError(
                 "vehicle must be a bridgectl.Vehicle or QuarterCar, "
-                f"got {type(self.vehicle).__name__}"
+                f"got {type(self.vehicle).__name__}: type for example "
+                "bridgectl.QuarterCar(9000, 1000, 80e3, 1.8e6, 7e3), after the beam"
             )
         checked: dict[str, object] = {
             "speed": _checks.positive("speed", self.speed, unit="m/s"),
-            "section": _checks.fraction("section", self.section),
+            "section": _checks.fraction("section", self.section, self.beam.length),
             "recovery": _checks.choice("recovery", self.recovery, RECOVERIES),
             "effect": _checks.choice("effect", self.effect, known_effects(self.linear)),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
-        if self.linear.mass > self.beam.mass:
-            warnings.warn(
-                f"the vehicle ({self.linear.mass:g} kg) is heavier than the bridge "
-                f"({self.beam.mass:g} kg): is mass_per_length in tonnes? Pass kg/m",
-                UserWarning,
-                stacklevel=3,
-            )
+        judge_crossing(self, self.speed)
 
     def __repr__(self) -> str:
         return (
@@ -525,6 +523,11 @@ def crossing_system(
     TypeError, ValueError
         If a parameter has the wrong kind or range; the message names it.
 
+    Warns
+    -----
+    PlausibilityWarning
+        As `Crossing`.
+
     References
     ----------
     Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eqs. (1)-(8).
@@ -540,4 +543,6 @@ def crossing_system(
     >>> sorted({round(float(abs(pole)) / 6.2832, 2) for pole in mid_span.poles()})
     [0.46, 4.08, 6.91, 16.37, 36.83]
     """
-    return Crossing(beam, vehicle, speed, section, recovery).system(name)
+    crossing = Crossing(beam, vehicle, speed, section, recovery)
+    judge_crossing(crossing, crossing.speed)
+    return crossing.system(name)

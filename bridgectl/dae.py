@@ -6,13 +6,14 @@ import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_roads
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
@@ -133,12 +134,13 @@ class RampSurface:
             return np.asarray(ramps.heights / self.ramp_height)
         if isinstance(roads, Sequence) and any(isinstance(road, RoadProfile) for road in roads):
             return np.array([self.ramps(road) for road in roads])
-        elevations = np.asarray(roads)
-        if elevations.dtype.kind not in "iuf":
+        try:
+            elevations = _checks.floats("roads", cast(ArrayLike, roads), unit="m")
+        except TypeError:
             raise TypeError(
                 "roads must be a RoadProfile, a list of them, or elevations [m] at the surface's "
                 f"stations, got {type(roads).__name__}"
-            )
+            ) from None
         if elevations.ndim not in (1, 2) or elevations.shape[-1] != len(self.positions) + 1:
             raise ValueError(
                 f"roads must have elevations at the {len(self.positions) + 1} stations of the "
@@ -148,7 +150,7 @@ class RampSurface:
         scales /= self.ramp_height
         if not np.isfinite(scales).all():
             raise ValueError("roads must be finite elevations [m]")
-        return np.asarray(scales)
+        return scales
 
     def road(self, drops: ArrayLike, name: str = "") -> RoadProfile:
         """Road of straight ramps: what superposed histories belong to; see `ramps`.
@@ -200,6 +202,8 @@ class RampSurface:
 
         Warns
         -----
+        PlausibilityWarning
+            If a road is too steep to be driven, as of elevations in mm.
         UserWarning
             As `ramps`.
 
@@ -219,6 +223,7 @@ class RampSurface:
         1.0648
         """
         estimate: FloatArray = self.ramps(roads) @ self.daf_difference.T
+        judge_roads(*_profiles(roads))
         estimate += self.daf_smooth
         return estimate
 
@@ -279,6 +284,7 @@ class RampSurface:
         """
         scales = self.ramps(roads)
         drops = np.atleast_2d(scales) * self.ramp_height
+        judge_roads(*_profiles(roads))
         values = np.hstack([self._superposed(part) for part in road_parts(drops.T)])
         for road in np.nonzero(~np.isfinite(values).all(axis=0))[0]:
             again = ~np.isfinite(values[:, road])
@@ -365,6 +371,12 @@ class RampSurface:
         return Crossing(
             self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery, self.effect
         )
+
+
+def _profiles(roads: Roads) -> list[RoadProfile]:
+    """Those of the roads that are profiles; arrays at stations may be anything."""
+    listed = roads if isinstance(roads, Sequence) else [roads]
+    return [road for road in listed if isinstance(road, RoadProfile)]
 
 
 def road_parts(drops: FloatArray) -> Iterator[FloatArray]:

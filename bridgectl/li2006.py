@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from bridgectl._plausible import judge_beam
 from bridgectl.beam import Beam
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
@@ -136,13 +137,15 @@ def beam(
         known = ", ".join(map(str, sorted(table)))
         raise ValueError(f"span must be one of {known} m{kind}, got {span!r}")
     mass_per_length, second_moment = table[span]
-    return Beam(
+    bridge = Beam(
         length=float(span),
         mass_per_length=mass_per_length,
         flexural_rigidity=YOUNGS_MODULUS * second_moment,
         n_modes=n_modes,
         damping_ratio=damping_ratio,
     )
+    judge_beam(bridge)
+    return bridge
 
 
 def fig7_road(earlier: float = 0.0) -> RoadProfile:

@@ -13,6 +13,7 @@ import numpy as np
 import bridgectl as bc
 from bridgectl._checks import FloatArray
 from bridgectl._files import is_regular, replacing
+from bridgectl._plausible import judge_kmh
 from bridgectl.recovery import RECOVERIES
 from bridgectl.surface import RAMP_LENGTH
 
@@ -250,6 +251,7 @@ def parse_speeds(text: str) -> FloatArray:
     slowest, fastest = SPEEDS_KMH
     if speeds.min() < slowest or speeds.max() > fastest:
         raise ValueError(f"--speeds must be {slowest:g} to {fastest:g} km/h, got {text!r}")
+    judge_kmh("--speeds", speeds)
     return np.unique(speeds)
 
 

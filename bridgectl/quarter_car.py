@@ -11,6 +11,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from bridgectl import _checks
+from bridgectl._plausible import judge_quarter_car
 from bridgectl.vehicle import Vehicle
 
 
@@ -35,6 +36,12 @@ class QuarterCar:
         If a parameter is not a number or out of range; the message names it.
     NotImplementedError
         If `tire_damping` is not 0.
+
+    Warns
+    -----
+    PlausibilityWarning
+        If no road vehicle is so: masses in tonnes, stiffnesses in kN/m, or arguments that changed
+        places.
 
     References
     ----------
@@ -65,6 +72,7 @@ class QuarterCar:
         damping = _checks.not_negative("damping", self.damping, unit="N s/m")
         object.__setattr__(self, "damping", damping)
         _ = self.linear  # so that its checks speak here, not at the first crossing
+        judge_quarter_car(self)
 
     def __repr__(self) -> str:
         return (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import warnings
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,11 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._estimates import require_crossing
+from bridgectl._plausible import judge_crossing, judge_range
+from bridgectl._progress import track
 from bridgectl._threads import on_one_thread
+from bridgectl._warn import warn
 from bridgectl.beam import Beam
 from bridgectl.contact import fly
 from bridgectl.crossing import Crossing
@@ -106,8 +110,11 @@ def crossing_response(
     -----
     LiftOffWarning
         If a tire leaves the road; the response then has R = 0 in flight.
+    PlausibilityWarning
+        If speed, vehicle, road or damper can hardly be meant.
     UserWarning
-        If the road was measured at steps of more than one foot: see `RoadProfile.measured_step`.
+        If the road was measured at steps of more than one foot (see `RoadProfile.measured_step`),
+        or the work takes minutes.
 
     References
     ----------
@@ -124,12 +131,16 @@ def crossing_response(
     crossing = Crossing(beam, vehicle, speed, section, recovery)
     _checks.choice("method", method, METHODS)
     run = prepare(crossing, profile, start, tail)
+    judge_crossing(crossing, crossing.speed, profile)
     if damper is not None:
         _only_fast(method)
-        from bridgectl.dampers.damped import damped_response  # late, for it lies above this module
+        from bridgectl.dampers.actuator import as_damper, bare_vehicle  # late, as they lie above
+        from bridgectl.dampers.damped import damped_response
 
+        judge_range(bare_vehicle(vehicle), as_damper(damper))
         asked = np.zeros(0) if timepts is None else _times(timepts, run) * crossing.speed
         return _as_response(*damped_response(run, damper, asked))
+    require_crossing(run, np.array([crossing.speed]), tail=tail, refine=4)
     nodes = run.nodes(crossing.speed, refine=4)
     keep = np.arange(len(nodes))
     if timepts is not None:
@@ -148,12 +159,7 @@ def crossing_response(
         nodes, states, forces = flight.nodes, flight.states, flight.forces
     place = first_flight(nodes, forces)
     if place is not None:
-        warnings.warn(
-            f"a tire leaves the road, first with the reference tire at x = {place:.2f} m: "
-            "simulated with R >= 0; the crossing is not linear there",
-            LiftOffWarning,
-            stacklevel=3,
-        )
+        warn_of_flight(place)
     return _as_response(run, nodes[keep], states[:, keep], forces[:, keep])
 
 
@@ -170,6 +176,7 @@ def daf(
     effect: str = "moment",
     method: str = "propagator",
     damper: Damper | Strategy | None = None,
+    progress: bool = True,
 ) -> FloatArray:
     """Dynamic amplification factor: the peak moment, or other effect, over its static peak.
 
@@ -183,6 +190,8 @@ def daf(
         Speeds c [m/s].
     profile, start, method, damper
         See `crossing_response`; with a damper, the effect is the moment.
+    progress : bool, optional
+        Whether a progress bar shows on a terminal while speeds are simulated one by one.
 
     Returns
     -------
@@ -197,8 +206,8 @@ def daf(
     -----
     LiftOffWarning
         If a tire leaves the road at some speeds, which are then simulated with R >= 0.
-    UserWarning
-        If the road was measured too coarsely, as `crossing_response`.
+    PlausibilityWarning, UserWarning
+        As `crossing_response`.
 
     Examples
     --------
@@ -208,38 +217,58 @@ def daf(
     array([1.0551, 1.1302])
     """
     c = _checks.speeds(speeds)
+    _checks.flag("progress", progress)
     crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
     _checks.choice("method", method, METHODS)
     run = prepare(crossing, profile, start)
+    judge_crossing(crossing, c, profile)
     if damper is not None:
         _only_fast(method)
         _checks.choice("effect", effect, ("moment",))
+        from bridgectl.dampers.actuator import as_damper, bare_vehicle
         from bridgectl.dampers.damped import damped_dafs
 
+        judge_range(bare_vehicle(vehicle), as_damper(damper))
         return damped_dafs(run, damper, c)
+    require_crossing(run, c)
     result = np.empty(c.size)
     linear = np.zeros(c.size, dtype=bool)
     if method == "propagator":
-        for batch in speed_batches(run, c):
+        batches = list(speed_batches(run, c))
+        for batch in track(batches, "Simulating crossings", len(batches), show=progress):
             stretches = propagate(run, c[batch], run.nodes(c[batch].min()))
             result[batch] = find_peaks(effect_samples(crossing, stretches[-1]).T).values
             linear[batch] = ~lifts_off(crossing, stretches)
     simulate = _flying_peak if method == "propagator" else _reference_peak
     flights = {}
-    for i in np.nonzero(~linear)[0]:
+    flying = np.nonzero(~linear)[0]
+    for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
         at_speed = run._replace(crossing=replace(crossing, speed=float(c[i])))
         result[i], place = simulate(at_speed)
         if place is not None:
             flights[float(c[i])] = place
+    warn_of_flights(flights, c.size)
+    return result
+
+
+def warn_of_flight(place: float) -> None:
+    """Tell where the tire of one crossing first leaves the road [m]."""
+    warn(
+        f"a tire leaves the road, first with the reference tire at x = {place:.2f} m: "
+        "simulated with R >= 0; the crossing is not linear there",
+        LiftOffWarning,
+    )
+
+
+def warn_of_flights(flights: Mapping[float, float], n_speeds: int) -> None:
+    """Tell at which speeds [m/s] a tire leaves the road, if it does, and where first [m]."""
     if flights:
-        warnings.warn(
-            f"a tire leaves the road at {len(flights)} of {c.size} speeds, the slowest "
+        warn(
+            f"a tire leaves the road at {len(flights)} of {n_speeds} speeds, the slowest "
             f"{min(flights) * 3.6:.0f} km/h, the first place x = {min(flights.values()):.1f} m: "
             "simulated there with R >= 0",
             LiftOffWarning,
-            stacklevel=3,
         )
-    return result
 
 
 def _flying_peak(run: Run) -> tuple[float, float | None]:

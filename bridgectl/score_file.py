@@ -11,7 +11,6 @@ import hashlib
 import json
 import os
 import sys
-import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from io import FileIO
@@ -23,6 +22,7 @@ import numpy as np
 import bridgectl
 from bridgectl._checks import FloatArray
 from bridgectl._files import is_regular
+from bridgectl._warn import warn
 
 if sys.platform != "win32":
     import fcntl
@@ -89,8 +89,7 @@ class Parts:
         self.handle = _locked(self.path)
         try:
             if damaged := self._read(self.handle):
-                # Told of the line that calls `bridgectl.score`.
-                warnings.warn(_damage(self.path, damaged), UserWarning, stacklevel=3)
+                warn(_damage(self.path, damaged))
         except BaseException:
             self.handle.close()
             raise

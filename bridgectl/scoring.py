@@ -24,7 +24,8 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl import measures
 from bridgectl._checks import FloatArray
-from bridgectl._progress import track
+from bridgectl._plausible import judge_crossing, judge_range
+from bridgectl._progress import shows, track
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
@@ -32,6 +33,7 @@ from bridgectl.dae import RampSurface
 from bridgectl.dampers import Damper, Strategy
 from bridgectl.dampers.actuator import as_damper, bare_vehicle
 from bridgectl.dampers.damped import RampsAndRoads, ramps_and_roads
+from bridgectl.dampers.work import require_loop
 from bridgectl.propagator import SAME_PLACE
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.ramps import FeedbackHistories
@@ -121,19 +123,17 @@ def score(
     ------
     TypeError, ValueError
         If an argument is not what is described above: no strategies, two of one name, a road that
-        is too short, or a file of another study.
+        is too short or given twice, or a file of another study.
     OSError
         If the file cannot be written, as on a full disk; parts that it held are still there.
 
     Warns
     -----
+    PlausibilityWarning
+        If speeds, vehicle, roads or dampers can hardly be meant.
     UserWarning
-        If lines of the file are damaged: which.
-
-    Warns
-    -----
-    UserWarning
-        If a road was measured at steps of more than one foot: see `RoadProfile.measured_step`.
+        If lines of the file are damaged; if a road was measured at steps of more than one foot
+        (see `RoadProfile.measured_step`); if it takes minutes and no progress bar shows.
 
     Examples
     --------
@@ -147,8 +147,22 @@ def score(
     >>> board.strategies
     ('passive 7 kN s/m', 'skyhook')
     """
+    check.flag("progress", progress)
+    if workers is not None:
+        check.integer("workers", workers, at_least=1)
+    if resume is not None and not isinstance(resume, str | os.PathLike):
+        raise TypeError(
+            f'resume must name a file, got {type(resume).__name__}: type resume="score.jsonl"'
+        )
     devices = _devices(dampers)
     study = _study(beam, vehicle, roads, speeds, approach, departure, section, recovery)
+    judge_crossing(study.crossing, study.speeds, *roads)
+    judge_range(vehicle, *devices)
+    bare = replace(study.crossing, vehicle=bare_vehicle(vehicle))
+    require_loop(
+        bare, devices, study.speeds, study.stations, len(roads), n_ramps=study.n_ramps,
+        n_recorded=len(RECORDED), at_once=ROADS_AT_ONCE, announced=not shows(progress),
+    )  # fmt: skip
     names = tuple(device.strategy.name for device in devices)
     labels = tuple(road.name or f"road {i}" for i, road in enumerate(roads, 1))
     tasks = [
@@ -178,10 +192,19 @@ def score(
     )  # fmt: skip
 
 
+def _listed(value: object) -> bool:
+    return isinstance(value, Sequence) and not isinstance(value, str)
+
+
 def _devices(dampers: Sequence[Damper | Strategy]) -> list[Damper]:
     """Check the strategies."""
     if isinstance(dampers, Damper | Strategy):
         raise TypeError("dampers must be a list of strategies, got one: type [damper]")
+    if not _listed(dampers):
+        raise TypeError(
+            f"dampers must be a list of strategies, got {type(dampers).__name__}: type "
+            "[bridgectl.dampers.passive(7e3), bridgectl.dampers.skyhook(1e3, 30e3)]"
+        )
     devices = [as_damper(damper) for damper in dampers]
     if not devices:
         raise ValueError(
@@ -211,8 +234,10 @@ def _study(
     before = check.not_negative("approach", approach, unit="m")
     after = check.not_negative("departure", departure, unit="m")
     bare_vehicle(vehicle)
-    if isinstance(roads, RoadProfile) or not all(isinstance(road, RoadProfile) for road in roads):
-        raise TypeError("roads must be a list of RoadProfile: type [road]")
+    if not _listed(roads) or not all(isinstance(road, RoadProfile) for road in roads):
+        raise TypeError(
+            "roads must be a list of RoadProfile: type [road], or [bridgectl.read_profile(path)]"
+        )
     if not len(roads):
         raise ValueError("roads must hold a road, got none: type [bridgectl.utia_road()]")
     c = check.speeds(speeds)
@@ -226,7 +251,20 @@ def _study(
         warn_if_coarse(road, "dynamic amplification")
     elevations = np.array([np.interp(stations, road.x, road.elevation) for road in roads])
     elevations -= elevations[:, :1]
+    _require_different(roads, elevations)
     return replace(study, stations=stations, n_ramps=n_ramps, elevations=elevations)
+
+
+def _require_different(roads: Sequence[RoadProfile], elevations: FloatArray) -> None:
+    """Refuse a road that is given twice: it would look like more evidence than there is."""
+    first: dict[bytes, int] = {}
+    for i, heights in enumerate(np.round(elevations / SAME_PLACE), 1):
+        j = first.setdefault((heights + 0.0).tobytes(), i)  # not -0.0
+        if j != i:
+            raise ValueError(
+                f"roads {j} ({roads[j - 1].name!r}) and {i} ({roads[i - 1].name!r}) are the same, "
+                "and would count twice in confidence intervals: leave one out"
+            )
 
 
 def _run(

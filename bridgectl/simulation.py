@@ -97,13 +97,14 @@ def prepare(
     start = _checks.number("start", start, unit="m")
     if start > 0:
         raise ValueError(
-            f"start must be 0 m (the start of the bridge) or negative (the approach), got {start:g}"
+            "start must be 0 m (the start of the bridge) or negative (the approach), got "
+            f"{start:g}: type {-start:g}"
         )
     if profile is not None:
         if not isinstance(profile, RoadProfile):
             raise TypeError(
                 f"profile must be a bridgectl.RoadProfile, got {type(profile).__name__}: "
-                "type RoadProfile(x, elevation) or read_profile(path)"
+                "type RoadProfile(x, elevation) or read_profile(path), and one road at a time"
             )
         profile.require(start, crossing.beam.length, "the crossing")
         warn_if_coarse(profile, "dynamic amplification", pieces=pieces)

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._estimates import require_surface
+from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._progress import track
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
@@ -79,7 +81,15 @@ def ramp_surface(
     Raises
     ------
     TypeError, ValueError
-        If a parameter has the wrong kind, shape or range; the message names it.
+        If a parameter has the wrong kind, shape or range, or the work would be too much; the
+        message names it.
+
+    Warns
+    -----
+    PlausibilityWarning
+        If speeds, vehicle or damper can hardly be meant.
+    UserWarning
+        If it takes minutes.
 
     References
     ----------
@@ -104,13 +114,21 @@ def ramp_surface(
             f"{length:g} m: for a ramp of 1 mm type 1e-3"
         )
     before = _checks.not_negative("approach", approach, unit="m")
+    if isinstance(beam, Beam) and length > beam.length:
+        raise ValueError(
+            f"ramp_length must not exceed the bridge of {beam.length:g} m, got {length:g} m: for "
+            f"{length:g} mm type {length / 1000:g}"
+        )
     _checks.choice("method", method, METHODS)
+    _checks.flag("progress", progress)
     crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
     if damper is not None and (effect != "moment" or method != "propagator"):
         raise ValueError(
             f"with a damper, a surface is of the moment and by the fast path, got {effect=} and "
             f"{method=}: leave them out"
         )
+    judge_crossing(crossing, c)
+    require_surface(crossing, c, before, length, method)
     n_ramps = int(np.ceil((before + beam.length) / length - SAME_PLACE))
     positions = -before + length * np.arange(n_ramps)
     edges = np.append(positions, positions[-1] + length)
@@ -120,6 +138,7 @@ def ramp_surface(
         from bridgectl.dampers.actuator import as_damper, bare_vehicle
         from bridgectl.dampers.damped import ramp_dafs
 
+        judge_range(bare_vehicle(vehicle), as_damper(damper))
         if (constant := as_damper(damper).constant) is not None:  # a vehicle like any other
             return ramp_surface(
                 beam, replace(bare_vehicle(vehicle), damping=constant), c, approach=before,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -10,15 +9,14 @@ from functools import cached_property
 import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import eigvalsh
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_vehicle
 
 GRAVITY = 9.81
 """Acceleration due to gravity g [m/s^2]: the value behind the paper's W = 98.1 kN."""
-
-LIGHTEST_USUAL_MASS = 50.0
-"""Vehicles lighter than this [kg] draw a warning: their masses may be in tonnes."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -65,6 +63,11 @@ class Vehicle:
         If a parameter has the wrong kind, shape or range; the message names it.
     NotImplementedError
         If `tire_damping` is not 0.
+
+    Warns
+    -----
+    PlausibilityWarning
+        If no road vehicle is so light, or moves so fast or slowly on its tires.
 
     Examples
     --------
@@ -136,6 +139,7 @@ class Vehicle:
         _no_tire_damping(tire_damping)
         self._check_matrices()
         self._check_tires()
+        judge_vehicle(self)
 
     def __repr__(self) -> str:
         offsets = ", ".join(f"{offset:g}" for offset in self.tire_offsets)
@@ -165,12 +169,6 @@ class Vehicle:
                 raise ValueError(f"{name} must not have negative eigenvalues")
         if np.linalg.eigvalsh(self.mass_matrix).min() <= 0:
             raise ValueError("mass_matrix must be positive definite: every mass above 0 kg")
-        if self.mass < LIGHTEST_USUAL_MASS:
-            warnings.warn(
-                f"the vehicle's mass is {self.mass:g} kg: are its masses in tonnes? Pass kg",
-                UserWarning,
-                stacklevel=4,
-            )
 
     def _check_tires(self) -> None:
         if self.tire_stiffnesses.size == 0 or np.any(self.tire_stiffnesses <= 0):
@@ -220,6 +218,12 @@ class Vehicle:
             self.stiffness_matrix
             + self.tire_map.T @ (self.tire_stiffnesses[:, np.newaxis] * self.tire_map)
         )
+
+    @cached_property
+    def frequencies(self) -> FloatArray:
+        """Natural frequencies on a rigid road, without damping [Hz], rising, shape (n,)."""
+        squares = eigvalsh(self._supported_stiffness, self.mass_matrix)
+        return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi))
 
     @cached_property
     def static_loads(self) -> FloatArray:

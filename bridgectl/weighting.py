@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
-
 import control
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +9,7 @@ from scipy.signal import lfilter, tf2ss
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._warn import warn
 from bridgectl.measures import histories, rms
 
 HIGH_PASS, LOW_PASS = 0.4, 100.0
@@ -182,10 +181,8 @@ def weighted_rms(acceleration: ArrayLike, sample_time: float, *, skip: float = 0
 def _sample_time(value: float) -> float:
     step = check.positive("sample_time", value, unit="s")
     if step > LONGEST_SAMPLE:
-        warnings.warn(
+        warn(
             f"samples {step:g} s apart cannot hold the 80 Hz that W_k weighs: pass "
             f"{LONGEST_SAMPLE:g} s or less",
-            UserWarning,
-            stacklevel=3,
         )
     return step

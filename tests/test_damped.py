@@ -208,3 +208,21 @@ def test_a_constant_damper_has_the_passive_daf_and_one_with_a_force_limit_not(br
     limited = Damper(dampers.passive(20e3), max_force=500.0)
     found = bc.daf(bridge, truck, SPEEDS, road, start=-5, damper=limited)
     assert np.abs(found - exact).min() > 1e-4
+
+
+LEAP = bc.RoadProfile([-10.0, -1.0, -0.9, 25.0], [0, 0, -0.08, -0.08], name="80 mm down")
+
+
+@pytest.mark.parametrize("damper", [SKYHOOK, dampers.passive(7e3), Damper(SKYHOOK, lag=0.01)])
+def test_a_tire_that_leaves_the_road_is_told_with_a_damper_too(bridge, truck, damper):
+    with pytest.warns(bc.LiftOffWarning, match=r"at 1 of 2 speeds, the slowest 108 km/h") as told:
+        bc.daf(bridge, truck, [1.0, 30.0], LEAP, start=-10, damper=damper)
+    assert [warning.filename for warning in told] == [__file__]
+    with pytest.warns(bc.LiftOffWarning, match="first with the reference tire at x = -") as told:
+        bc.crossing_response(bridge, truck, 30.0, LEAP, start=-10, damper=damper)
+    assert [warning.filename for warning in told] == [__file__]
+
+
+def test_a_surface_of_ramps_that_throw_the_tire_says_so(bridge, truck):
+    with pytest.warns(bc.LiftOffWarning, match=r"in \d+ of 25 crossings of a ramp of 0.2 m"):
+        bc.ramp_surface(bridge, truck, 30.0, ramp_length=1.0, ramp_height=0.2, damper=SKYHOOK)

@@ -77,7 +77,11 @@ def test_smooth_roads_and_no_road_are_the_same(bridge, truck):
     )
 
 
+@pytest.mark.filterwarnings("ignore:the axle moves at 5.03e")
 def test_a_crossing_that_would_take_cells_without_end_is_an_error(bridge, truck):
     rigid = dataclasses.replace(truck, tire_stiffness=1e14)
+    run = prepare(bc.Crossing(bridge, rigid, 0.5), None, 0.0)
     with pytest.raises(ValueError, match=r"needs .* cells .*check stiffnesses.*n_modes"):
+        run.nodes(0.5)
+    with pytest.raises(ValueError, match=r"the vehicle's fastest motion .* stiffnesses.* would do"):
         bc.daf(bridge, rigid, 0.5)

@@ -10,6 +10,7 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_damper
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.vehicle import Vehicle
 
@@ -43,6 +44,11 @@ class Damper:
     TypeError, ValueError
         If an argument is not what is described above.
 
+    Warns
+    -----
+    PlausibilityWarning
+        If times look like ms, the force like kN, or the noise like mm/s.
+
     Examples
     --------
     >>> from bridgectl.dampers import Damper, skyhook
@@ -71,6 +77,7 @@ lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
             check.positive("max_force", limit, unit="N")
         check.not_negative("velocity_noise", self.velocity_noise, unit="m/s")
         check.integer("seed", self.seed, at_least=0)
+        judge_damper(self)
 
     @property
     def constant(self) -> float | None:
@@ -93,9 +100,24 @@ lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
         )
 
 
-def as_damper(damper: Damper | Strategy) -> Damper:
+def as_damper(damper: object) -> Damper:
     """Return the damper, one of the default kind around a strategy alone."""
-    return damper if isinstance(damper, Damper) else Damper(damper)
+    if isinstance(damper, Damper):
+        return damper
+    if isinstance(damper, Strategy):
+        return Damper(damper)
+    example = "bridgectl.dampers.skyhook(1e3, 30e3)"
+    if isinstance(damper, int | float | np.number) and damper is not True:
+        example = f"bridgectl.dampers.passive({float(damper) / 1e3:g}e3)"
+    elif callable(damper):
+        name = getattr(damper, "__name__", "law").replace("<lambda>", "law")
+        example = (
+            f'{name}(1e3, 30e3), or of a law of your own Strategy("{name}", {name}, 1e3, 30e3)'
+        )
+    raise TypeError(
+        "damper must be a bridgectl.dampers.Damper, or its strategy must be a Strategy, got "
+        f"{type(damper).__name__}: type {example}"
+    )
 
 
 def bare_vehicle(vehicle: Vehicle | QuarterCar) -> QuarterCar:

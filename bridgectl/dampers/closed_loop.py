@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
@@ -21,6 +22,7 @@ from .actuator import Damper, as_damper, bare_vehicle
 from .loop import RECORDED, Loop
 from .result import LoopResult
 from .strategy import Strategy
+from .work import require_loop
 
 
 @on_one_thread
@@ -80,6 +82,9 @@ def simulate_loop(
     c = check.speeds(speeds)
     x, z = _roads(beam, stations, elevations)
     names = _names(record)
+    judge_crossing(crossing, c)
+    judge_range(vehicle, device)
+    require_loop(crossing, [device], c, x, len(z), n_recorded=len(names))
     order = np.argsort(c, kind="stable")
     return Loop(crossing, device, c[order], x, z, names).run().of_speeds(np.argsort(order))
 

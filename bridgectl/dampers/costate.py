@@ -8,6 +8,7 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
@@ -79,6 +80,7 @@ def costate(
     (np.float64(-60.0), np.float64(11.7))
     """
     crossing = Crossing(beam, vehicle, speed, section)
+    judge_crossing(crossing, crossing.speed)
     nodes, bridge, steps = smooth_crossing(crossing, check.not_negative("reach", reach, unit="m"))
     top = find_peaks(effect_samples(crossing, bridge).T)
     last = bridge_entry(nodes) + int(top.cells[0] + (top.fractions[0] > 0.5))

@@ -9,10 +9,11 @@ import numpy as np
 
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
+from bridgectl._warn import warn
 from bridgectl.crossing import Crossing
 from bridgectl.propagator import SAME_PLACE, merge_places
 from bridgectl.ramps import FeedbackHistories
-from bridgectl.response import daf
+from bridgectl.response import LiftOffWarning, daf, warn_of_flight, warn_of_flights
 from bridgectl.simulation import Run
 from bridgectl.surface import ramp_surface
 
@@ -23,6 +24,7 @@ from .loop import Loop
 from .result import LoopResult
 from .steps import SUSPENSION
 from .strategy import Strategy
+from .work import require_loop
 
 
 def damped_dafs(run: Run, damper: Damper | Strategy, speeds: FloatArray) -> FloatArray:
@@ -34,7 +36,10 @@ def damped_dafs(run: Run, damper: Damper | Strategy, speeds: FloatArray) -> Floa
             crossing.beam, replace(bare_vehicle(crossing.vehicle), damping=constant), speeds,
             told, start=run.start, section=crossing.section, recovery=crossing.recovery,
         )  # fmt: skip
-    return simulate_run(run, damper, speeds).daf[:, 0]
+    found = simulate_run(run, damper, speeds)
+    places = dict(zip(speeds.tolist(), found.lift_off[:, 0].tolist(), strict=True))
+    warn_of_flights({c: x for c, x in places.items() if x < np.inf}, speeds.size)
+    return found.daf[:, 0]
 
 
 def simulate_run(
@@ -72,7 +77,9 @@ def damped_response(
     """
     crossing = _bare(run.crossing)
     x = _stations(run, asked)
-    loop = Loop(crossing, as_damper(damper), np.array([crossing.speed]), x, -run.road(x).T)
+    device, speed = as_damper(damper), np.array([crossing.speed])
+    require_loop(crossing, [device], speed, x, 1)
+    loop = Loop(crossing, device, speed, x, -run.road(x).T)
     places: list[float] = [x[0]]
     states: list[FloatArray] = [np.zeros(crossing.n_states)]
     forces, dampings = [loop.stepper.weight], [0.0]
@@ -83,7 +90,9 @@ def damped_response(
         forces.append(now.force[0, 0])
         dampings.append(now.damping[0, 0])
 
-    loop.run(keep)
+    place = float(loop.run(keep).lift_off[0, 0])
+    if place < np.inf:
+        warn_of_flight(place)
     every, columns = np.array(places), np.array(states).T
     wanted = asked if asked.size else every
     index = np.minimum(np.searchsorted(every, wanted - SAME_PLACE), every.size - 1)
@@ -103,6 +112,8 @@ class RampsAndRoads(NamedTuple):
     """DAF of a ramp at every place, shape (n_speeds, n_ramps)."""
     roads: LoopResult
     """Of the roads, with what was recorded."""
+    flights: int
+    """Number of crossings of a ramp whose tire leaves the road."""
 
 
 def ramp_dafs(
@@ -145,6 +156,12 @@ def ramp_dafs(
         smooth, unit = ([getattr(s, n) for s in surfaces] for n in ("daf_smooth", "daf_unit"))
         return np.min(smooth, axis=0), np.min(unit, axis=0), histories
     found = ramps_and_roads(crossing, device, speeds, edges, len(edges) - 1, height)
+    if found.flights:
+        warn(
+            f"a tire leaves the road in {found.flights} of {found.unit.size} crossings of a ramp "
+            f"of {height:g} m: simulated there with R >= 0; type a smaller ramp_height",
+            LiftOffWarning,
+        )
     return found.smooth, found.unit, histories
 
 
@@ -179,6 +196,10 @@ def ramps_and_roads(
     RampsAndRoads
     """
     whole = np.empty((0, len(stations))) if roads is None else roads
+    require_loop(
+        _bare(crossing), [damper], speeds, stations, len(whole) + 1, n_ramps=n_ramps,
+        n_recorded=len(record), announced=roads is None,
+    )  # fmt: skip
     after = np.arange(len(stations)) > np.arange(n_ramps)[:, np.newaxis]
     # A ramp's road is the smooth one, the first, until the ramp begins.
     elevations = np.vstack([np.zeros((1, len(stations))), whole, -height * after])
@@ -190,7 +211,8 @@ def ramps_and_roads(
         begins,
     ).run().of_speeds(np.argsort(order))  # fmt: skip
     of_roads = found.of_roads(slice(1, first))
-    return RampsAndRoads(found.daf[:, 0], found.daf[:, first:], of_roads)
+    flights = int(np.isfinite(found.lift_off[:, first:]).sum())
+    return RampsAndRoads(found.daf[:, 0], found.daf[:, first:], of_roads, flights)
 
 
 def _stations(run: Run, asked: FloatArray) -> FloatArray:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import inspect
 import re
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from threading import RLock
@@ -19,6 +18,7 @@ import casadi as ca
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl._warn import warn
 
 INSTEAD = (
     "the signals are CasADi expressions, not numbers: for `x if a else b` or np.where type "
@@ -103,7 +103,7 @@ def warn_of_slips(name: str, law: ca.Function, signals: Sequence[str], gains: Fl
         )
     else:
         return
-    warnings.warn(f"the law of {name} {slip}", UserWarning, stacklevel=3)
+    warn(f"the law of {name} {slip}")
 
 
 def _require_two_arguments(name: str, law: Callable[..., Any], arguments: tuple[Any, Any]) -> None:

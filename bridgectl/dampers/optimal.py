@@ -16,7 +16,6 @@ never the solver's number but that of `simulate_loop` with this damping.
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -28,7 +27,9 @@ from scipy import sparse
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
+from bridgectl._warn import warn
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.quarter_car import QuarterCar
@@ -193,6 +194,7 @@ def clairvoyant(
     soft, stiff = damping_bounds(c_min, c_max)
     crossing = Crossing(beam, bare, speed, section, recovery)
     run = prepare(crossing, road, start)
+    judge_crossing(crossing, crossing.speed, road)
     held = check.positive("step", step, unit="s")
     own = float(np.clip(vehicle.damping, soft, stiff))
     for longest in STEPS:
@@ -243,11 +245,10 @@ def _agrees(optimum: LoopResult, peak: float) -> bool:
     """Whether the closed loop confirms an optimum; nothing can where the tire leaves the road."""
     if optimum.least_force[0, 0] > 0:
         return bool(abs(optimum.daf[0, 0] - peak) <= AGREEMENT)
-    warnings.warn(
+    warn(
         "the tire leaves the road: the damping is the best of a crossing without lift-off, and "
         "its DAF is that with R >= 0",
         LiftOffWarning,
-        stacklevel=4,
     )
     return True
 

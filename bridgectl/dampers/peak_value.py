@@ -37,6 +37,7 @@ from scipy.linalg import solve_continuous_lyapunov
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
@@ -140,6 +141,7 @@ def peak_value(
     curvature = (stiff - soft) / 2 / check.positive("yield_speed", yield_speed, unit="m/s")
     car = replace(bare_vehicle(vehicle), damping=(soft + stiff) / 2)
     crossing = Crossing(beam, car, speed, section)
+    judge_crossing(crossing, crossing.speed)
     nodes, bridge, steps = smooth_crossing(crossing, check.not_negative("reach", reach, unit="m"))
     entry = bridge_entry(nodes)
     to_states = _expected(crossing, steps[entry:], nodes[entry:])

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from bridgectl._checks import FloatArray
-from bridgectl._warn import warn_caller
+from bridgectl._warn import warn
 
 from .lines import passing, refusal
 from .profile import RoadProfile
@@ -59,7 +59,7 @@ def read_crg(file: str, request: Request, pick: Pick) -> list[RoadProfile]:
     if not whole:
         raise refusal(file, _no_track(wanted[0][0], faults, labels))
     if left := [f"track {labels[i]} has {faults[i]}" for i, _ in wanted if faults[i]]:
-        warn_caller(f"{file}: left out {len(left)} of {len(wanted)} tracks with holes: {left[0]}")
+        warn(f"{file}: left out {len(left)} of {len(wanted)} tracks with holes: {left[0]}")
     return [_road(file, grid.u, elevations[:, i], name, labels[i]) for i, name in whole]
 
 
@@ -80,7 +80,7 @@ def _grid(file: str) -> Any:
         raise refusal(file, f"pyopencrg cannot read this: {_short('; '.join(doubts))}")
     # Holes matter only in the tracks that are wanted, and are told of there.
     if notes := [note for note in notes if "NaN" not in note]:
-        warn_caller(f"{file}: pyopencrg notes: {_short('; '.join(notes))}")
+        warn(f"{file}: pyopencrg notes: {_short('; '.join(notes))}")
     return grid
 
 

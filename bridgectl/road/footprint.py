@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._warn import warn
 
 from .events import require_road
 from .limits import TOLERANCE
@@ -99,10 +98,8 @@ def _warn_if_coarse(road: RoadProfile, smooth: RoadProfile, length: float) -> No
     missed = np.abs(exact - smooth.elevation_at(bends)).max(initial=0.0)
     changed = np.abs(smooth.elevation - road.elevation).max()
     if missed > max(changed / 2, TOLERANCE):
-        warnings.warn(
+        warn(
             f"the road's stations are too far apart for a tire_footprint of {length:g} m: between "
             f"them the average differs from the result by up to {1e3 * missed:.3g} mm; pass "
             f"road.resample({length / 5:.2g})",
-            UserWarning,
-            stacklevel=3,
         )

@@ -16,7 +16,7 @@ from scipy.signal import lfilter
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
-from bridgectl._warn import warn_caller
+from bridgectl._warn import warn
 
 from .limits import even_step
 
@@ -192,7 +192,7 @@ def _window(window: float | None, name: str, step: float, length: float) -> floa
             f"{name} = {size:.10g} m is longer than the road of {length:.10g} m: type a shorter one"
         )
     if size < SHORT:
-        warn_caller(
+        warn(
             f"an IRI over {size:g} m says little: the index weighs waves of up to 30 m; pass "
             f"{SHORT:g} m or more"
         )

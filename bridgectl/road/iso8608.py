@@ -17,6 +17,7 @@ from scipy.signal import firwin, lfilter, upfirdn
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
+from bridgectl._work import Work, at_least, at_most, require_feasible
 
 from .profile import RoadProfile
 from .psd import CLASSES, REFERENCE, class_roughness
@@ -161,6 +162,7 @@ def iso8608_elevations(
     check.choice("method", method, ("spectral", "filter"))
     level_gd, exponent = requested_roughness(roughness, level), _waviness(waviness)
     limits = _band(band, dx)
+    _require_feasible(count, float(length), dx, limits)
     rng = np.random.default_rng(seed)
     if method == "spectral":
         size, make = _sum_of_waves(level_gd, exponent, limits, n_steps + 1, dx)
@@ -171,6 +173,25 @@ def iso8608_elevations(
     for i in range(0, count, block):
         roads[i : i + block] = make(min(block, count - i), rng)
     return roads
+
+
+def _require_feasible(n_roads: int, length: float, step: float, band: tuple[float, float]) -> None:
+    """Refuse roads that would not fit in memory."""
+
+    def work(n_roads: float, length: float, step: float, longest_wave: float) -> Work:
+        points = length / step
+        period = max(2 * points, PERIODS * longest_wave / step)
+        samples = period * min(n_roads, max(1.0, BLOCK / period))
+        return Work(8 * (n_roads * points + 5 * samples), 1e-7 * n_roads * period)
+
+    wave = "a longest wave, 1 / band[0], of {value}"
+    arguments = {
+        "n_roads": at_most(n_roads, 1000),
+        "length": at_most(length, 1000.0, "m"),
+        "step": at_least(step, 0.1, "m"),
+        "longest_wave": at_most(1 / band[0], 100.0, "m", wave),
+    }
+    require_feasible(work, arguments)
 
 
 def shaping_filter(

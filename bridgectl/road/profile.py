@@ -321,7 +321,7 @@ steps 0.1 to 21.9 m)
         ValueError
             If any station is outside the road (by more than 1e-9 m) or NaN.
         """
-        stations = np.asarray(x, dtype=np.float64)
+        stations = check.floats("x", x, unit="m")
         on_road = (stations >= self._x[0] - TOLERANCE) & (stations <= self._x[-1] + TOLERANCE)
         if not on_road.all():
             self._inside("x", stations[~on_road][0])

@@ -20,7 +20,7 @@ from scipy.special import digamma
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl._warn import warn_caller
+from bridgectl._warn import warn
 
 from .limits import even_step
 from .sampling import coarse, too_coarse
@@ -203,7 +203,7 @@ class RoadPsd:
         ends = check.array("band", band, (2,), unit="cycles/m")
         n, logarithm = self._third_octaves(ends)
         if self.coarse and ends[1] > self.resolved * (1 + ROUND_OFF):
-            warn_caller(coarse("the line of ISO 8608", 0.5 / self.resolved, name=self.name))
+            warn(coarse("the line of ISO 8608", 0.5 / self.resolved, name=self.name))
         octave = np.log(n / REFERENCE)
         if waviness is None:
             slope, level = np.polyfit(octave, logarithm, 1)

@@ -8,13 +8,13 @@ and what to type instead.
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from bridgectl import _checks as check
+from bridgectl._warn import warn
 
 from . import lines
 from .crg import MARK, read_crg
@@ -237,7 +237,7 @@ def _read(file: str, request: Request, pick: Pick) -> list[RoadProfile]:
             is_erd = head.decode(encoding, "replace").startswith(SIGNATURE)
             roads = (read_erd if is_erd else read_delimited)(file, texts, request, pick)
     for remark in request.remarks:
-        warnings.warn(remark, UserWarning, stacklevel=3)
+        warn(remark)
     return roads
 
 

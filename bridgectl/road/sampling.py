@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bridgectl._checks import FloatArray
-from bridgectl._warn import warn_caller
+from bridgectl._warn import warn
 
 from .limits import TOLERANCE, evenly_spaced
 
@@ -97,7 +97,7 @@ def warn_if_coarse(road: RoadProfile, what: str, step: float = 0.0, pieces: floa
     """
     step = road.measured_step or step
     if too_coarse(step, pieces):
-        warn_caller(coarse(what, step, pieces, road.name))
+        warn(coarse(what, step, pieces, road.name))
 
 
 def coarse(what: str, step: float, pieces: float = 0.0, name: str = "") -> str:

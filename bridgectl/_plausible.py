@@ -1,0 +1,290 @@
+"""Whether what a user gives can be meant: units and order of arguments, judged in one place.
+
+A number may be in range and yet not what its user thinks: tonnes for kg, km/h for m/s, arguments
+that changed places. The public functions have what they are given judged here, once; what the
+package then makes of it is not judged again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import chain
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from bridgectl._checks import FloatArray
+from bridgectl._warn import asker, warn
+
+# The modules of these classes import this one.
+Beam: TypeAlias = Any
+Crossing: TypeAlias = Any
+Damper: TypeAlias = Any
+QuarterCar: TypeAlias = Any
+RoadProfile: TypeAlias = Any
+Vehicle: TypeAlias = Any
+
+FASTEST = 60.0
+"""No road vehicle crosses a bridge so fast [m/s]: 216 km/h, or 60 km/h without its unit."""
+
+LIGHTEST_VEHICLE = 50.0
+"""Vehicles lighter than this [kg] have their masses in tonnes."""
+
+LONGEST_SPAN = 3000.0
+"""[m]; the longest suspension bridges have 2 km."""
+
+DECK_MASS = (100.0, 2e5)
+"""Mass per length of decks [kg/m]: footbridges of 500, motorways of some 60 000, with room."""
+
+SCATTER = 6.0
+"""How far f_1 may be from 82 L^-0.9, either way, as a factor.
+
+f_1 = 82 L^-0.9 of road bridges (P. Paultre, O. Chaallal, J. Proulx, Can. J. Civ. Eng. 19 (1992)
+260-278); 95.4 L^-0.933 of 224 bridges (R. Cantieni, EMPA report 211, 1983) is the same within 10 %.
+Single bridges are within a factor of three, railway bridges included. A thousandfold rigidity or
+mass is a factor of 32.
+"""
+
+MOST_DAMPED = 0.2
+"""No bridge has a larger damping ratio; in percent, all have."""
+
+BODY, HOP = (0.1, 20.0), (2.0, 100.0)
+"""Frequencies [Hz] of a body on its springs and of an axle between spring and tire, with room."""
+
+MOVING_FORCE = 5e-3
+"""Vehicles slower than this [Hz] are soft on purpose: a constant force on wheels, which textbooks
+send over bridges at any speed."""
+
+STIFFER_SPRING = 6.0
+"""How many times stiffer than the tire a suspension may be: stiff leaf springs are 3.5 times."""
+
+SUSPENSION_DAMPING = (1e-3, 4.0)
+"""Damping ratios of a body on its suspension that are not 0, with room."""
+
+SLOWEST_SAMPLE, SLOWEST_LAG, WEAKEST, NOISIEST = 0.1, 2.0, 100.0, 1.0
+"""A damper's sample time [s], lag [s], force limit [N] and noise [m/s] that are no use any more."""
+
+ROUGHEST = 0.1
+"""Largest rms slope of a road about its grade [m/m]: class H has 0.05."""
+
+
+class PlausibilityWarning(UserWarning):
+    """An argument is in range, but can hardly be meant: its unit or place may be another."""
+
+
+def judge_beam(beam: Beam) -> None:
+    """Warn of a beam that is no bridge."""
+    _tell(_beam_doubts(beam))
+
+
+def judge_quarter_car(car: QuarterCar) -> None:
+    """Warn of a quarter-car that is no road vehicle."""
+    _tell(chain(_weight_doubts(car.linear), _quarter_car_doubts(car)))
+
+
+def judge_vehicle(vehicle: Vehicle) -> None:
+    """Warn of a vehicle that is no road vehicle."""
+    _tell(chain(_weight_doubts(vehicle), _vehicle_doubts(vehicle)))
+
+
+def judge_crossing(
+    crossing: Crossing, speeds: float | FloatArray, *roads: RoadProfile | None
+) -> None:
+    """Warn of speeds, roads or a vehicle that do not go with the bridge."""
+    force = crossing.linear.frequencies[0] <= MOVING_FORCE
+    if asker() == "user" and not force:  # the command line judges speeds in its own unit
+        name, fastest = "speed" if np.ndim(speeds) == 0 else "speeds", float(np.max(speeds))
+        _tell(_speed_doubts(name, fastest, f"for {fastest:.4g} km/h type {fastest:.4g} / 3.6"))
+    _tell(_load_doubts(crossing))
+    judge_roads(*roads)
+
+
+def judge_roads(*roads: RoadProfile | None) -> None:
+    """Warn of roads that are too steep to be driven."""
+    _tell(chain.from_iterable(_road_doubts(road) for road in roads if road is not None))
+
+
+def judge_damper(damper: Damper) -> None:
+    """Warn of a damper whose units are others than s, N and m/s."""
+    _tell(_damper_doubts(damper))
+
+
+def judge_range(car: QuarterCar, *dampers: Damper) -> None:
+    """Warn of dampings that are nothing beside what a vehicle needs."""
+    _tell(chain.from_iterable(_range_doubts(car, damper) for damper in dampers))
+
+
+def judge_kmh(option: str, speeds: FloatArray) -> None:
+    """Warn of speeds [km/h] on the command line."""
+    _tell(_speed_doubts(option, float(speeds.max()) / 3.6, "type km/h, as 80"))
+
+
+def _tell(doubts: Iterator[str]) -> None:
+    """Tell the first doubt: those after it have mostly the same cause."""
+    if asker() != "package" and (doubt := next(doubts, None)) is not None:
+        warn(doubt, PlausibilityWarning)
+
+
+def _speed_doubts(name: str, fastest: float, remedy: str) -> Iterator[str]:
+    if fastest >= FASTEST:
+        yield (
+            f"{name} of {fastest:.4g} m/s ({fastest * 3.6:.4g} km/h) is faster than any road "
+            f"vehicle: {remedy}"
+        )
+
+
+def _beam_doubts(beam: Beam) -> Iterator[str]:
+    length, mass, rigidity = beam.length, beam.mass_per_length, beam.flexural_rigidity
+    given = (
+        f"length={length:g} [m], mass_per_length={mass:g} [kg/m], "
+        f"flexural_rigidity={rigidity:g} [N m^2]"
+    )
+    lightest, heaviest = DECK_MASS
+    if not 1.0 <= length <= LONGEST_SPAN:
+        yield (
+            f"length = {length:g} m is no span of a bridge: check the order of the arguments, "
+            f"which are {given}"
+        )
+    if mass < lightest:
+        yield (
+            f"mass_per_length = {mass:g} kg/m is lighter than any deck: for {mass:g} t/m type "
+            f"mass_per_length={1000 * mass:g}"
+        )
+    if mass > heaviest:
+        yield (
+            f"mass_per_length = {mass:g} kg/m is heavier than any deck: if it is the mass of the "
+            f"whole span [kg] type mass_per_length={mass / length:g}, else check the order of the "
+            f"arguments, which are {given}"
+        )
+    usual, found = 82 * length**-0.9, float(beam.frequencies[0])
+    if not usual / SCATTER <= found <= usual * SCATTER:
+        yield (
+            f"the first frequency of the beam is {found:.3g} Hz; bridges of {length:g} m have "
+            f"{usual / SCATTER:.2g} to {usual * SCATTER:.2g} Hz: {_rigidity_remedy(beam, usual)}; "
+            f"given were {given}"
+        )
+    ratio = float(beam.damping_ratios[0])
+    if ratio > MOST_DAMPED:
+        yield (
+            f"damping_ratio = {ratio:g} is {100 * ratio:g} percent of critical damping, more than "
+            f"any bridge has: for {ratio:g} percent type damping_ratio={ratio / 100:g}"
+        )
+
+
+def _rigidity_remedy(beam: Beam, usual: float) -> str:
+    """What E J may be instead, in N m^2, for the usual frequency."""
+    rigidity = beam.flexural_rigidity
+    wanted = rigidity * (usual / float(beam.frequencies[0])) ** 2
+    slips = {
+        1e3: f"for {rigidity:g} kN m^2 type flexural_rigidity={rigidity * 1e3:g}",
+        1e6: f"for {rigidity:g} MN m^2 type flexural_rigidity={rigidity * 1e6:g}",
+        1e9: f"for E in GPa type flexural_rigidity={rigidity * 1e9:g}",
+        3.5e10: f"if it is J [m^4] alone type flexural_rigidity=E*{rigidity:g}, with E [N/m^2]",
+    }
+    nearest = min(slips, key=lambda factor: abs(np.log(factor * rigidity / wanted)))
+    near = abs(np.log(nearest * rigidity / wanted)) < np.log(SCATTER**2)
+    return slips[nearest] if near else "flexural_rigidity is E [N/m^2] times J [m^4]"
+
+
+def _weight_doubts(vehicle: Vehicle) -> Iterator[str]:
+    if vehicle.mass < LIGHTEST_VEHICLE:
+        yield (
+            f"the vehicle's mass is {vehicle.mass:g} kg: are its masses in tonnes? Pass kg, for "
+            f"{vehicle.mass:g} t type masses of {1000 * vehicle.mass:g} in all"
+        )
+
+
+def _quarter_car_doubts(car: QuarterCar) -> Iterator[str]:
+    body, axle = car.sprung_mass, car.unsprung_mass
+    spring, tire, damping = car.suspension_stiffness, car.tire_stiffness, car.damping
+    if body < axle:
+        yield (
+            f"sprung_mass = {body:g} kg (the body) is lighter than unsprung_mass = {axle:g} kg "
+            f"(the axle): for {body:g} t type sprung_mass={1000 * body:g}, or exchange the two"
+        )
+    if spring > STIFFER_SPRING * tire:
+        yield (
+            f"suspension_stiffness = {spring:g} N/m is far stiffer than tire_stiffness = {tire:g} "
+            f"N/m: exchange the two, or for {tire:g} kN/m type tire_stiffness={1000 * tire:g}"
+        )
+    both = float(np.sqrt(1 / (1 / spring + 1 / tire) / body) / (2 * np.pi))
+    if not BODY[0] <= both <= BODY[1]:
+        yield (
+            f"the body moves at {both:.3g} Hz, vehicles at {BODY[0]:g} to {BODY[1]:g} Hz: check "
+            f"sprung_mass = {body:g} kg and suspension_stiffness = {spring:g} N/m; for {spring:g} "
+            f"kN/m type suspension_stiffness={1000 * spring:g}"
+        )
+    hop = float(np.sqrt((spring + tire) / axle) / (2 * np.pi))
+    if not HOP[0] <= hop <= HOP[1]:
+        yield (
+            f"the axle moves at {hop:.3g} Hz, vehicles' at {HOP[0]:g} to {HOP[1]:g} Hz: check "
+            f"unsprung_mass = {axle:g} kg and tire_stiffness = {tire:g} N/m; for {axle:g} t type "
+            f"unsprung_mass={1000 * axle:g}, for {tire:g} kN/m tire_stiffness={1000 * tire:g}"
+        )
+    critical = 2 * float(np.sqrt(spring * body))
+    if damping > 0 and not SUSPENSION_DAMPING[0] <= damping / critical <= SUSPENSION_DAMPING[1]:
+        remedy = f"for {damping:g} kN s/m type damping={1000 * damping:g}"
+        if damping < 1:
+            remedy = f"for a ratio of {damping:g} type damping={damping * critical:.3g}"
+        elif damping > critical:
+            remedy = f"check that suspension_stiffness = {spring:g} N/m and it are in place"
+        yield (
+            f"damping = {damping:g} N s/m is {damping / critical:.2g} of the suspension's critical "
+            f"damping, {critical:.3g} N s/m: {remedy}"
+        )
+
+
+def _damper_doubts(damper: Damper) -> Iterator[str]:
+    step, lag, force, noise = (
+        damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise
+    )  # fmt: skip
+    if step > SLOWEST_SAMPLE:
+        yield f"sample_time = {step:g} s is slow for any law: for {step:g} ms type {step / 1e3:g}"
+    if lag > SLOWEST_LAG:
+        yield f"lag = {lag:g} s is longer than any damper's: for {lag:g} ms type {lag / 1e3:g}"
+    if force < WEAKEST:
+        yield f"max_force = {force:g} N holds nothing: for {force:g} kN type {force * 1e3:g}"
+    if noise > NOISIEST:
+        yield f"velocity_noise = {noise:g} m/s hides all: for {noise:g} mm/s type {noise / 1e3:g}"
+
+
+def _range_doubts(car: QuarterCar, damper: Damper) -> Iterator[str]:
+    largest = damper.strategy.c_max
+    critical = 2 * float(np.sqrt(car.suspension_stiffness * car.sprung_mass))
+    if 0 < largest < SUSPENSION_DAMPING[0] * critical:
+        yield (
+            f"damper {damper.strategy.name!r} of at most {largest:g} N s/m is nothing beside the "
+            f"suspension's critical damping, {critical:.3g} N s/m: for {largest:g} kN s/m type "
+            f"{1000 * largest:g}"
+        )
+
+
+def _vehicle_doubts(vehicle: Vehicle) -> Iterator[str]:
+    lowest = float(vehicle.frequencies[0])
+    if lowest > MOVING_FORCE and not BODY[0] <= lowest <= BODY[1]:
+        yield (
+            f"the vehicle's lowest frequency on a rigid road is {lowest:.3g} Hz, vehicles have "
+            f"{BODY[0]:g} to {BODY[1]:g} Hz: check mass_matrix [kg], stiffness_matrix and "
+            "tire_stiffnesses [N/m]; for kN/m type 1e3 * stiffness"
+        )
+
+
+def _load_doubts(crossing: Crossing) -> Iterator[str]:
+    vehicle, beam = crossing.linear, crossing.beam
+    if vehicle.mass > beam.mass and next(_beam_doubts(beam), None) is None:
+        yield (
+            f"the vehicle ({vehicle.mass:g} kg) is heavier than the bridge ({beam.mass:g} kg): is "
+            "mass_per_length in tonnes? Pass kg/m"
+        )
+
+
+def _road_doubts(road: RoadProfile) -> Iterator[str]:
+    steps = np.diff(road.x)
+    slopes = np.diff(road.elevation) / steps
+    about = slopes - np.average(slopes, weights=steps)
+    rms = float(np.sqrt(np.average(about**2, weights=steps)))
+    if rms > ROUGHEST:
+        yield (
+            f"the road's slope has an rms of {rms:.2g} m/m, more than any road: are its elevations "
+            "in mm (or another unit)? Type RoadProfile(x, elevation / 1000)"
+        )
