@@ -27,7 +27,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     beside = os.path.join(os.path.dirname(file), f".{secrets.token_hex(8)}.tmp")
     try:
         if os.path.exists(file) and not is_regular(file):
-            raise OSError(errno.EINVAL, "No regular file, type another name")
+            code = errno.EISDIR if os.path.isdir(file) else errno.EINVAL
+            raise OSError(code, "No regular file, type another name")
         with open(beside, "xb") as handle:
             yield handle
         if os.path.exists(file):

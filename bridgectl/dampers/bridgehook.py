@@ -40,7 +40,7 @@ from bridgectl.quarter_car import QuarterCar
 from .actuator import bare_vehicle
 from .costate import REACH, Costate, costate
 from .peak_value import PeakValue, peak_value
-from .strategy import Strategy
+from .strategy import RATE_TIME, Strategy
 
 SPACING = 0.7
 """Largest distance between knots on the bridge [m]: an axle hop takes more than a metre."""
@@ -137,13 +137,15 @@ lag=0 s)
         bounds = self.c_min, self.c_max
         return _feedback_law(peak_value(*case, *bounds, section=self.section, reach=REACH), self)
 
-    def system(self, speed: float) -> control.NonlinearIOSystem:
+    def system(self, speed: float, *, rate_time: float = RATE_TIME) -> control.NonlinearIOSystem:
         """Return the law at a speed as an I/O block: see `Strategy.system`.
 
         Parameters
         ----------
         speed : float
             Speed c [m/s].
+        rate_time : float, optional
+            Time constant of the rate of the tire force [s], which this law does not measure.
 
         Returns
         -------
@@ -154,7 +156,7 @@ lag=0 s)
         TypeError, ValueError
             If `speed` is not above 0 m/s.
         """
-        return self.for_speed(speed).system(speed)
+        return self.for_speed(speed).system(speed, rate_time=rate_time)
 
     def command(self, **signals: ArrayLike) -> FloatArray:
         """Evaluate the command at one speed, one of the signals: see `Strategy.command`.

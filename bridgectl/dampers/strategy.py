@@ -57,8 +57,11 @@ CROSSING_OUTPUTS = {
 MOTION = ("body_velocity", "axle_velocity", "suspension_travel", "suspension_velocity")
 """Inputs of every block."""
 
-SAMPLED = ("body_acceleration", "axle_acceleration", "tire_force_rate")
+SAMPLED = ("body_acceleration", "axle_acceleration")
 """Signals that there are but for a controller that samples: see `Strategy.system`."""
+
+RATE_TIME = 1e-3
+"""Time constant [s] of the rate of the tire force in a block: as late as a change over 2 ms."""
 
 Law = Callable[[Any, Any], Any]
 """From signals and gains, by name as attributes, to the command c [N s/m], in CasADi operations."""
@@ -297,28 +300,32 @@ class Strategy:
         command: Any = self.function.map(count)(signals, each)
         return numbers(self.name, command.full().ravel())
 
-    def system(self, speed: float) -> control.NonlinearIOSystem:
+    def system(self, speed: float, *, rate_time: float = RATE_TIME) -> control.NonlinearIOSystem:
         """Return the strategy as an I/O block for `control.interconnect` with a crossing.
 
         Parameters
         ----------
         speed : float
             Speed c [m/s] of the crossing: position and speed are signals.
+        rate_time : float, optional
+            Time constant T [s] of the rate of the tire force, if the law measures it: (R - L) / T,
+            where L' is that rate. The state L, 'lagged_tire_force' [N], starts best at the static
+            load.
 
         Returns
         -------
         control.NonlinearIOSystem
             Inputs as the crossing's outputs ('y_s_dot', 'suspension_velocity', ..., 'tire_force' if
-            the law measures it), outputs 'damper_force' [N] and 'damping' [N s/m], evaluated
-            without delay. The crossing's own vehicle must have damping 0. It is called as the
-            strategy is, with '_' for '.', which no system may have in its name.
+            the law measures it or its rate), outputs 'damper_force' [N] and 'damping' [N s/m],
+            evaluated without delay. The crossing's own vehicle must have damping 0. The block is
+            called as the strategy is, with '_' for '.', which no system may have in its name.
 
         Raises
         ------
         TypeError, ValueError
-            If `speed` is not above 0 m/s, or the law measures an acceleration, which the damper
-            force changes at once, or the rate of the tire force, a change since the last sample:
-            those need a sample time, as `simulate_loop` has it.
+            If `speed` is not above 0 m/s or `rate_time` not above 0 s, or the law measures an
+            acceleration, which the damper force changes at once: that needs a sample time, as
+            `simulate_loop` has it.
 
         Examples
         --------
@@ -337,19 +344,26 @@ class Strategy:
         10
         """
         velocity = check.positive("speed", speed, unit="m/s")
-        if loops := [name for name in self.used if name in SAMPLED]:
+        lag = check.positive("rate_time", rate_time, unit="s")
+        used = set(self.used)
+        if loops := [name for name in SAMPLED if name in used]:
             raise ValueError(
                 f"{self.name} measures {' and '.join(loops)}, which the damper force changes at "
-                "once or which is a change since the last sample: it has no block without delay, "
-                "simulate it with a sample time by daf(..., damper=Damper(law, sample_time=2e-3)) "
-                "or simulate_loop"
+                "once: it has no block without delay, simulate it with a sample time by "
+                "daf(..., damper=Damper(law, sample_time=2e-3)) or simulate_loop"
             )
-        measured = [*MOTION, *({"tire_force"} & {*self.used})]
+        measured = [*MOTION, *(["tire_force"] if used & {"tire_force", "tire_force_rate"} else [])]
+        states = ["lagged_tire_force"] if "tire_force_rate" in used else []
         places = [SIGNALS.index(name) for name in (*measured, "position", "speed")]
         rate, row = MOTION.index("suspension_velocity"), np.zeros((len(SIGNALS), 1))
 
+        def update(t: float, x: FloatArray, u: FloatArray, p: dict[str, Any]) -> FloatArray:
+            return (u[-1] - x) / lag
+
         def output(t: float, x: FloatArray, u: FloatArray, p: dict[str, Any]) -> FloatArray:
             row[places, 0] = *u, velocity * t, velocity
+            if states:
+                row[SIGNALS.index("tire_force_rate"), 0] = update(t, x, u, p)[0]
             try:
                 c = float(self.evaluate(row)[0])
             except ValueError:
@@ -361,7 +375,8 @@ class Strategy:
             return np.array([c * u[rate], c])
 
         return control.nlsys(
-            None, output, inputs=[CROSSING_OUTPUTS[name] for name in measured],
+            update if states else None, output, states=states or None,
+            inputs=[CROSSING_OUTPUTS[name] for name in measured],
             outputs=["damper_force", "damping"],
             name=self.name.replace(".", "_").lstrip("-") or "damper",
         )  # fmt: skip
