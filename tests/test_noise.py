@@ -22,15 +22,18 @@ def together(bridge, truck, roads):
     return simulate_loop(bridge, truck, NOISY, SPEEDS, X, roads).daf
 
 
-def test_a_noisy_crossing_is_the_same_alone_and_in_a_batch(bridge, truck, roads, together):
-    """Sixty crossings: to 1e-12 of the static moment."""
-    for i, speed in enumerate(SPEEDS):
-        for j, road in enumerate(roads):
-            alone = simulate_loop(bridge, truck, NOISY, speed, X, road).daf[0, 0]
-            assert together[i, j] == pytest.approx(alone, abs=1e-12)
+@pytest.mark.parametrize(
+    "some", [slice(None, None, 5), pytest.param(slice(None), marks=pytest.mark.slow)]
+)
+def test_a_noisy_crossing_is_the_same_alone_and_in_a_batch(bridge, truck, roads, together, some):
+    """Of sixty crossings every one, or some: to 1e-12 of the static moment."""
+    cases = list(np.ndindex(together.shape))[some]
+    for i, j in cases:
+        alone = simulate_loop(bridge, truck, NOISY, SPEEDS[i], X, roads[j]).daf[0, 0]
+        assert together[i, j] == pytest.approx(alone, abs=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_order_of_a_batch_does_not_matter(bridge, truck, roads, together, seed):
     rng = np.random.default_rng(seed)
     speeds, order = rng.permutation(len(SPEEDS)), rng.permutation(len(roads))
@@ -53,6 +56,7 @@ def test_a_noisy_crossing_is_the_same_by_every_route(bridge, truck, roads, toget
     assert board.values["daf"][1, 0] == pytest.approx(together[:, 4], abs=1e-12)
 
 
+@pytest.mark.slow  # processes take seconds to start
 def test_two_processes_give_the_scores_of_one(bridge, truck, roads):
     dampers = [passive(7e3), NOISY, Damper(skyhook(1e3, 20e3).renamed("soft"), velocity_noise=0.1)]
     profiles = [bc.RoadProfile(X, z) for z in roads[:2]]
@@ -81,9 +85,9 @@ def test_roads_speeds_and_seeds_have_noise_of_their_own(bridge, truck):
 
 
 def test_noise_is_white_and_of_its_deviation(bridge, truck):
-    x = np.linspace(0, 200, 5)
+    x = np.linspace(0, 100, 5)
     damper = Damper(passive(7e3), velocity_noise=0.05, max_force=1e9)
     found = simulate_loop(bridge, truck, damper, 10.0, x, 0 * x, record=["axle_velocity"])
-    noise = found.histories[0]["axle_velocity"][0, -5000:]  # 7.5 s behind the bridge, at rest
+    noise = found.histories[0]["axle_velocity"][0, -3000:]  # 6 s, far behind the bridge, at rest
     assert np.std(noise) == pytest.approx(0.05, rel=0.05)
     assert abs(np.corrcoef(noise[1:], noise[:-1])[0, 1]) < 0.05
