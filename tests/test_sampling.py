@@ -71,6 +71,12 @@ def test_stations_of_single_precision_are_even_ones(fine):
     assert RoadProfile(single, plain.elevation).iri() == pytest.approx(plain.iri(), rel=2e-3)
 
 
+@pytest.mark.parametrize("first", [0.025, 0.075])
+def test_halves_may_be_rounded_up_here_and_down_there(first):
+    """As the binary fractions of the stations have it: 0.03, 0.07, 0.12, 0.17, ..."""
+    assert evenly_spaced(np.array([float(f"{first + 0.05 * i:.2f}") for i in range(4000)]))
+
+
 @pytest.mark.parametrize("missing", [1, 40, 200, 398])
 @pytest.mark.parametrize("every", [0.25, 0.2])
 def test_a_missing_reading_is_no_rounding(missing, every):
