@@ -307,6 +307,14 @@ def test_a_damaged_first_line_is_not_taken_for_a_header(write: Write, first: str
     assert refusal(write(f"{first}\n1,0\n2,0\n"), units="m,m").startswith("1: ")
 
 
+def test_numbers_above_the_header_are_told_of_with_its_line(write: Write) -> None:
+    path = write("A 1\n2021,12\n# as built\nx [m],z [mm]\n0,1\n1,2\n")
+    message = refusal(path)
+    assert message.startswith("2: numbers stand above the names and units on line 4, '2021,12': ")
+    assert "(--skip-lines on the command line) with 3 or more" in message
+    assert read_profile(path, skip_lines=3).elevation.tolist() == [1e-3, 2e-3]
+
+
 def test_a_step_above_one_column_is_no_first_line_of_numbers(write: Write) -> None:
     path = write("! levels\n0.25 m\n1.5\n2.5\n3.5\n")
     assert re.match(
@@ -763,7 +771,10 @@ def test_stations_rounded_until_they_repeat_may_be_left_out(write: Write) -> Non
     ("stations", "message"),
     [
         ((0, 1, 1, 2), "5: station 1 m repeats 1 m on line 3: remove one of the two lines"),
-        ((0, 2, 1, 3), "5: station 1 m lies before 2 m on line 3: sort the lines by station"),
+        (
+            (0, 2, 1, 3),
+            "5: station 1 m lies before 2 m on line 3: sort the lines by station, or pass columns=",
+        ),
         ((3, 2, 1, 0), "3: station 2 m lies before 3 m on line 2, and so on: reverse the order"),
     ],
 )
@@ -820,6 +831,21 @@ def test_stations_in_the_heights_place_are_refused_in_any_unit(write: Write, uni
     only = "".join(f"{row.split(';')[0]}\n" for row in rows.splitlines())
     message = refusal(write(only), units="mm", step=0.25)
     assert message.endswith("stations: pass columns=(0,) (--columns 0) if it is right all the same")
+
+
+@pytest.mark.parametrize(("unit", "digits"), [("m", 2), ("km", 5), ("ft", 3), ("mm", 0)])
+def test_stations_twice_are_no_road_though_both_units_are_stated(
+    write: Write, unit: str, digits: int
+) -> None:
+    size = tracks.UNITS[unit]
+    rows = "".join(f"0+{0.25 * i:06.2f};{0.25 * i / size:.{digits}f};{i % 5}\n" for i in range(30))
+    path = write(f"Stat. [km];Stat. 2 [{unit}];z [mm]\n{rows}")
+    message = refusal(path)
+    assert (
+        "column 1 (counted from 0) counts the lines or holds stations: pass columns=(0, 2)"
+        in message
+    )
+    assert read_profile(path, columns=(0, 2)) == read_profile(path, track="z")
 
 
 def test_a_straight_grade_is_a_road(write: Write) -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from bridgectl._checks import FloatArray
 
 from .header import Columns
 from .lines import ProfileFileError, refusal
-from .tracks import UNITS
+from .tracks import UNITS, Track
 
 FEW = 8  # points; fewer may rise evenly by chance
 EVEN = 0.2  # stations of one step: no rise differs from the mean one by more than this part of it,
@@ -46,6 +48,18 @@ def require_elevations(
         raise _mistaken(file, columns.station, width, (elevation,), elevation)
     if _is_one_of(rise, [1.0, float(np.diff(x).mean())]) or (more and _even_rise(z, EXACT)):
         raise _mistaken(file, elevation, width, (elevation if counted else columns.station,))
+
+
+def require_no_stations(
+    file: str, columns: Columns, x: FloatArray, tracks: Sequence[Track], width: int
+) -> None:
+    """Refuse tracks that rise as the stations [m] do, also where their unit is stated."""
+    if columns.station is None or x.size < FEW:
+        return
+    step = float(np.diff(x).mean())
+    for column, track in zip(columns.elevations, tracks, strict=True):
+        if _is_one_of(_even_rise(track.z, EVEN) * UNITS[track.unit], [step]):
+            raise _mistaken(file, column, width, (columns.station,))
 
 
 def _even_rise(z: FloatArray, tolerance: float) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 
 from bridgectl._checks import FloatArray
 
-from .counters import passing_columns, require_elevations
+from .counters import passing_columns, require_elevations, require_no_stations
 from .dialect import (
     CHAINAGE_DIGITS,
     COMMA,
@@ -84,6 +84,8 @@ def read_delimited(
     picked = pick([named.label(column) for column in columns.elevations])
     wanted = Columns(columns.station, tuple(columns.elevations[i] for i, _ in picked))
     layout = _layout(file, rows, delimiter, wanted, units[0], request)
+    if layout.chainage == CHAINAGE_DIGITS["m"]:
+        units = ("m", *units[1:])  # also where "km" tells what stands before the plus
     table = read_table(layout, first, texts)
     if table.values.shape[1] < 2:
         fault = "only one line of numbers: a road needs two or more"
@@ -91,8 +93,6 @@ def read_delimited(
     if request.columns is None and not (request.step is None and states_both(stating, wanted)):
         label = named.label(0) if named.names else None
         require_elevations(file, wanted, table.values, width, request.step, label)
-    if layout.chainage == CHAINAGE_DIGITS["m"]:
-        units = ("m", *units[1:])  # also where "km" tells what stands before the plus
     x = _stations(
         file, table, request, units, stating.line if stating.unit(wanted.station or 0) else 0
     )
@@ -100,6 +100,8 @@ def read_delimited(
         Track(name, z, units[1 + i], _remedy(units[0], units[1 + i]))
         for z, (i, name) in zip(table.values[layout.stations :], picked, strict=True)
     ]
+    if request.columns is None:
+        require_no_stations(file, wanted, x, tracks, width)
     return make_roads(file, x, tracks, table.line, request)
 
 
@@ -267,7 +269,7 @@ def _disorder(x: FloatArray, i: int, table: Table) -> str:
         return f"{here} repeats {before}: remove one of the two lines"
     if np.all(x[1:] < x[:-1]):
         return f"{here} lies before {before}, and so on: reverse the order of the lines"
-    return f"{here} lies before {before}: sort the lines by station"
+    return f"{here} lies before {before}: sort the lines by station, or {passing('columns')}"
 
 
 def _odd_unit(step: float, units: tuple[str, ...], line: int) -> str:
