@@ -809,6 +809,19 @@ def test_a_counter_with_a_name_is_refused_though_the_stations_are_uneven(write: 
     assert read_profile(write(f"x,left,right\n{rows}"), units="m,mm").x[-1] == 29
 
 
+@pytest.mark.parametrize("label", ["", "No.", "index"])
+def test_a_counter_beside_nothing_but_heights_is_refused_with_the_step_to_pass(
+    write: Write, label: str
+) -> None:
+    rows = "".join(f"{i},{i % 5}\n" for i in range(30))
+    path = write(f"{label},z\n{rows}")
+    message = refusal(path, units="m,mm")
+    assert "pass step= (--step on the command line) and columns=(1,) (--columns 1) if" in message
+    assert read_profile(path, units="mm", step=0.25, columns=(1,)).x[-1] == pytest.approx(7.25)
+    assert read_profile(path, units="m,mm", columns=(0, 1)).x[-1] == 29
+    assert read_profile(write(f"x,z\n{rows}"), units="m,mm").x[-1] == 29
+
+
 @pytest.mark.parametrize(
     ("n", "place"), [(0, "columns=(1, 2) (--columns 1,2)"), (1, "columns=(0, 2) (--columns 0,2)")]
 )

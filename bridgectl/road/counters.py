@@ -9,7 +9,7 @@ import numpy as np
 from bridgectl._checks import FloatArray
 
 from .header import Columns
-from .lines import ProfileFileError, refusal
+from .lines import ProfileFileError, passing, refusal
 from .tracks import UNITS, Track
 
 FEW = 8  # points; fewer may rise evenly by chance
@@ -44,7 +44,7 @@ def require_elevations(
     x = values[0]
     counted = bool(x[0] in (0, 1) and np.all(np.diff(x) == 1))
     more = counted and elevation + 1 < width
-    if more and label is not None and label.casefold() in LABELS:
+    if counted and label is not None and label.casefold() in LABELS:
         raise _mistaken(file, columns.station, width, (elevation,), elevation)
     if _is_one_of(rise, [1.0, float(np.diff(x).mean())]) or (more and _even_rise(z, EXACT)):
         raise _mistaken(file, elevation, width, (elevation if counted else columns.station,))
@@ -81,6 +81,8 @@ def _mistaken(
     fault = f"column {column} (counted from 0) counts the lines or holds stations: "
     if following < width:
         fault += f"{passing_columns((*stations, following))} for those after it, or "
+    elif before is not None:
+        fault += f"{passing('step')} and {passing_columns((before,))[5:]} if there are none, or "
     kept = (0, 1) if stations else (0,)
     return refusal(file, f"{fault}{passing_columns(kept)} if it is right all the same")
 
