@@ -809,6 +809,12 @@ def test_a_counter_with_a_name_is_refused_though_the_stations_are_uneven(write: 
     assert read_profile(write(f"x,left,right\n{rows}"), units="m,mm").x[-1] == 29
 
 
+def test_times_before_the_stations_are_told_of(write: Write) -> None:
+    path = write("".join(f"{0.01 * i:.2f} {0.25 * i:.2f} {i % 5}\n" for i in range(30)))
+    assert "pass columns=(1, 2) (--columns 1,2) for those after" in refusal(path, units="m,mm")
+    assert read_profile(path, units="m,mm", columns=(1, 2)).x[-1] == pytest.approx(7.25)
+
+
 @pytest.mark.parametrize("label", ["", "No.", "index"])
 def test_a_counter_beside_nothing_but_heights_is_refused_with_the_step_to_pass(
     write: Write, label: str

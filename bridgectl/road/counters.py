@@ -43,11 +43,12 @@ def require_elevations(
         return
     x = values[0]
     counted = bool(x[0] in (0, 1) and np.all(np.diff(x) == 1))
-    more = counted and elevation + 1 < width
     if counted and label is not None and label.casefold() in LABELS:
         raise _mistaken(file, columns.station, width, (elevation,), elevation)
-    if _is_one_of(rise, [1.0, float(np.diff(x).mean())]) or (more and _even_rise(z, EXACT)):
-        raise _mistaken(file, elevation, width, (elevation if counted else columns.station,))
+    repeated = _is_one_of(rise, [1.0, float(np.diff(x).mean())])
+    if repeated or (elevation + 1 < width and _even_rise(z, EXACT)):
+        first = columns.station if repeated and not counted else elevation
+        raise _mistaken(file, elevation, width, (first,))
 
 
 def require_no_stations(
