@@ -67,6 +67,9 @@ SLOWEST_SAMPLE, SLOWEST_LAG, WEAKEST, NOISIEST = 0.1, 2.0, 100.0, 1.0
 ROUGHEST = 0.1
 """Largest rms slope of a road about its grade [m/m]: class H has 0.05."""
 
+SMOOTHEST = 1e-8
+"""Least G_d(n_0) of a road [m^3]: a new runway has 1e-6, class E in m read as mm 4e-9."""
+
 
 class PlausibilityWarning(UserWarning):
     """An argument is in range, but can hardly be meant: its unit or place may be another."""
@@ -117,6 +120,16 @@ def judge_range(car: QuarterCar, *dampers: Damper) -> None:
 def judge_kmh(option: str, speeds: FloatArray) -> None:
     """Warn of speeds [km/h] on the command line."""
     _tell(_speed_doubts(option, float(speeds.max()) / 3.6, "type km/h, as 80"))
+
+
+def judge_smoothness(name: str, roughness: float) -> None:
+    """Warn of a measured road with a G_d(n_0) [m^3] below that of any."""
+    if roughness < SMOOTHEST:
+        doubt = (
+            f"{name}: G_d(n0) = {roughness:.2g} m^3 is smoother than any road (class A has 16e-6 "
+            "m^3): are its elevations in m, and not in mm? Correct or pass their unit"
+        )
+        _tell(iter([doubt]))
 
 
 def _tell(doubts: Iterator[str]) -> None:

@@ -16,6 +16,7 @@ from rich.text import Text
 from bridgectl import __version__
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_smoothness
 from bridgectl.dae import RampSurface
 from bridgectl.paper import PaperResults
 from bridgectl.quarter_car import QuarterCar
@@ -104,10 +105,14 @@ def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
     whole = road.x[-1] - road.x[0] + mean_step(road.x) / 2  # as `RoadProfile.iri` rounds
     segments = road.iri(segment) if whole >= check.positive("segment", segment) else np.array([])
     track = TrackMeasures(road, road.iri(), segments, None)
+    if track.good is None:
+        return track
     try:
-        return track if track.good is None else replace(track, fit=road.psd().fit())
+        fit = road.psd().fit()
     except ValueError:  # too short for a line
         return track
+    judge_smoothness(road.name, fit.roughness)
+    return replace(track, fit=fit)
 
 
 class _Console(Console):

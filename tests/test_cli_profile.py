@@ -142,3 +142,14 @@ def test_the_shared_erd_file_has_the_iri_that_its_header_states(capsys):
     assert status == 0
     iri = [63.36 * track["iri_m_per_km"] for track in json.loads(out)["tracks"]]
     assert iri == pytest.approx([183.22, 162.95], abs=0.02)
+
+
+@pytest.mark.parametrize(("unit", "warned"), [("m", False), ("mm", True)])
+def test_a_road_in_metres_read_as_millimetres_is_told_of(capsys, tmp_path, unit, warned):
+    road, path = bc.iso8608_profile("D", 200, step=0.25, seed=1), tmp_path / "road.csv"
+    rows = zip(road.x, road.elevation, strict=True)
+    path.write_text("".join(f"{x:.2f},{z:.5f}\n" for x, z in rows))
+    status, _, err = run_command(capsys, "profile", path, "--units", f"m,{unit}")
+    assert status == 0
+    assert ("smoother than any road" in err and "in m, and not in mm?" in err) == warned
+    assert bool(err) == warned

@@ -1,7 +1,9 @@
 """Reading road files: what is understood, and what every bad file is told."""
 
+import ast
 import gzip
 import os
+import re
 import tempfile
 import tracemalloc
 import warnings
@@ -255,9 +257,7 @@ def test_a_torn_utf_16_file_is_refused(write: Write) -> None:
 # Lines that are no numbers
 
 
-@pytest.mark.parametrize(
-    "word", ["abc", "nan", "inf", "-Infinity", "1e999", "1_000", "٣", "2e12", '"3"']
-)
+@pytest.mark.parametrize("word", ["1_000", "٣", '"3"', "1.2.3", "//", "no reading"])
 @pytest.mark.parametrize("comment", ["", "# a comment\n"])
 def test_a_word_in_the_place_of_a_number_is_quoted(write: Write, word: str, comment: str) -> None:
     message = refusal(write(f"x_m,z_m\n0,0\n{comment}0.1,{word}\n0.2,0\n"))
@@ -265,6 +265,30 @@ def test_a_word_in_the_place_of_a_number_is_quoted(write: Write, word: str, comm
         f"{4 if comment else 3}: expected a finite number in column 1 (counted from 0), found "
         f"'{word}': correct or remove the line, or begin it with # if it is a comment"
     )
+
+
+@pytest.mark.parametrize("delimiter", [",", ";"])
+@pytest.mark.parametrize(
+    "word",
+    ["abc", "nan", "inf", "-Infinity", "1e999", "2e12", "-1.0E+30", "", "-", "*", "NA", "#N/A"],
+)
+def test_a_word_that_may_mark_a_missing_reading_is_left_out_as_its_refusal_says(
+    write: Write, word: str, delimiter: str
+) -> None:
+    text = f"x_m,z_m\n0.0,0.5\n0.1,{word}\n0.2,0.5\n"
+    if delimiter == ";":
+        text = text.replace(",", ";").replace(".", ",")
+    path = write(text)
+    advice = re.search(r"; pass missing=(\S+) \(--missing=(\S*) on the .* missing", refusal(path))
+    assert advice
+    for missing in (ast.literal_eval(advice[1]), advice[2]):
+        with pytest.warns(UserWarning, match="1 missing reading left out, the first on line 3"):
+            assert read_profile(path, missing=missing).x.tolist() == [0.0, 0.2]
+
+
+def test_the_advice_on_a_second_marker_keeps_the_first(write: Write) -> None:
+    path = write("x_m,z_m\n0,0\n0.1,-999\n0.2,0\n0.3,NaN\n0.4,0\n")
+    assert 'pass missing="-999,NaN" (--missing=-999,NaN on' in refusal(path, missing=-999)
 
 
 def test_a_long_or_unprintable_word_is_cut_and_escaped(write: Write) -> None:
@@ -281,6 +305,23 @@ def test_an_empty_field_is_refused(write: Write) -> None:
 )
 def test_a_damaged_first_line_is_not_taken_for_a_header(write: Write, first: str) -> None:
     assert refusal(write(f"{first}\n1,0\n2,0\n"), units="m,m").startswith("1: ")
+
+
+def test_numbers_above_the_header_are_told_of_with_its_line(write: Write) -> None:
+    path = write("A 1\n2021,12\n# as built\nx [m],z [mm]\n0,1\n1,2\n")
+    message = refusal(path)
+    assert message.startswith("2: numbers stand above the names and units on line 4, '2021,12': ")
+    assert "(--skip-lines on the command line) with 3 or more" in message
+    assert read_profile(path, skip_lines=3).elevation.tolist() == [1e-3, 2e-3]
+
+
+def test_a_step_above_one_column_is_no_first_line_of_numbers(write: Write) -> None:
+    path = write("! levels\n0.25 m\n1.5\n2.5\n3.5\n")
+    assert re.match(
+        r"2: expected .* found '0.25 m': .* with 2 or more", refusal(path, step=0.25, units="mm")
+    )
+    road = read_profile(path, skip_lines=2, step=0.25, units="mm")
+    assert road.elevation.tolist() == [1.5e-3, 2.5e-3, 3.5e-3]
 
 
 def test_a_track_may_have_a_number_for_a_name(write: Write) -> None:
@@ -553,6 +594,18 @@ def test_stations_in_the_wrong_unit_are_refused(
     assert fitting in message
 
 
+def test_a_wrong_unit_of_stations_is_to_be_corrected_where_it_is_stated(write: Write) -> None:
+    text = "# levels\nx [m];z [mm]\n" + "".join(f"{0.00025 * i:.5f};{i % 7}\n" for i in range(30))
+    message = refusal(write(text))
+    assert ": correct line 2 with the unit they are in, which may be km (0.25 m)" in message
+    assert read_profile(write(text.replace("[m]", "[km]"))).x[-1] == pytest.approx(7.25)
+
+
+def test_a_road_of_stations_too_far_apart_is_told_what_it_lacks(write: Write) -> None:
+    path = write("".join(f"{20 * i} {i % 7}\n" for i in range(30)))
+    assert "has lost the bumps that vehicles feel" in refusal(path, units="m,mm")
+
+
 @pytest.mark.parametrize(("given_unit", "finer"), [("m", "mm"), ("mm", "mil")])
 def test_elevations_in_the_wrong_unit_are_refused(
     write: Write, given_unit: str, finer: str
@@ -704,11 +757,24 @@ def test_a_gap_in_the_stations_is_refused_with_the_line(write: Write) -> None:
     assert refusal(file(5.1, 0.01), units="m,m").startswith("11: station 5.2 m comes")
 
 
+def test_stations_rounded_until_they_repeat_may_be_left_out(write: Write) -> None:
+    path = write("x [m],z [mm]\n" + "".join(f"{0.004 * i:.2f},{i % 4}\n" for i in range(50)))
+    message = refusal(path)
+    assert message.startswith("3: station 0 m repeats 0 m on line 2, as 28 others do: they are ")
+    assert message.endswith(
+        "pass step= and columns= (--step and --columns) of the elevations alone"
+    )
+    assert read_profile(path, step=0.004, columns=(1,)).x[-1] == pytest.approx(0.196)
+
+
 @pytest.mark.parametrize(
     ("stations", "message"),
     [
         ((0, 1, 1, 2), "5: station 1 m repeats 1 m on line 3: remove one of the two lines"),
-        ((0, 2, 1, 3), "5: station 1 m lies before 2 m on line 3: sort the lines by station"),
+        (
+            (0, 2, 1, 3),
+            "5: station 1 m lies before 2 m on line 3: sort the lines by station, or pass columns=",
+        ),
         ((3, 2, 1, 0), "3: station 2 m lies before 3 m on line 2, and so on: reverse the order"),
     ],
 )
@@ -743,6 +809,25 @@ def test_a_counter_with_a_name_is_refused_though_the_stations_are_uneven(write: 
     assert read_profile(write(f"x,left,right\n{rows}"), units="m,mm").x[-1] == 29
 
 
+def test_times_before_the_stations_are_told_of(write: Write) -> None:
+    path = write("".join(f"{0.01 * i:.2f} {0.25 * i:.2f} {i % 5}\n" for i in range(30)))
+    assert "pass columns=(1, 2) (--columns 1,2) for those after" in refusal(path, units="m,mm")
+    assert read_profile(path, units="m,mm", columns=(1, 2)).x[-1] == pytest.approx(7.25)
+
+
+@pytest.mark.parametrize("label", ["", "No.", "index"])
+def test_a_counter_beside_nothing_but_heights_is_refused_with_the_step_to_pass(
+    write: Write, label: str
+) -> None:
+    rows = "".join(f"{i},{i % 5}\n" for i in range(30))
+    path = write(f"{label},z\n{rows}")
+    message = refusal(path, units="m,mm")
+    assert "pass step= (--step on the command line) and columns=(1,) (--columns 1) if" in message
+    assert read_profile(path, units="mm", step=0.25, columns=(1,)).x[-1] == pytest.approx(7.25)
+    assert read_profile(path, units="m,mm", columns=(0, 1)).x[-1] == 29
+    assert read_profile(write(f"x,z\n{rows}"), units="m,mm").x[-1] == 29
+
+
 @pytest.mark.parametrize(
     ("n", "place"), [(0, "columns=(1, 2) (--columns 1,2)"), (1, "columns=(0, 2) (--columns 0,2)")]
 )
@@ -765,6 +850,21 @@ def test_stations_in_the_heights_place_are_refused_in_any_unit(write: Write, uni
     only = "".join(f"{row.split(';')[0]}\n" for row in rows.splitlines())
     message = refusal(write(only), units="mm", step=0.25)
     assert message.endswith("stations: pass columns=(0,) (--columns 0) if it is right all the same")
+
+
+@pytest.mark.parametrize(("unit", "digits"), [("m", 2), ("km", 5), ("ft", 3), ("mm", 0)])
+def test_stations_twice_are_no_road_though_both_units_are_stated(
+    write: Write, unit: str, digits: int
+) -> None:
+    size = tracks.UNITS[unit]
+    rows = "".join(f"0+{0.25 * i:06.2f};{0.25 * i / size:.{digits}f};{i % 5}\n" for i in range(30))
+    path = write(f"Stat. [km];Stat. 2 [{unit}];z [mm]\n{rows}")
+    message = refusal(path)
+    assert (
+        "column 1 (counted from 0) counts the lines or holds stations: pass columns=(0, 2)"
+        in message
+    )
+    assert read_profile(path, columns=(0, 2)) == read_profile(path, track="z")
 
 
 def test_a_straight_grade_is_a_road(write: Write) -> None:

@@ -71,6 +71,12 @@ def test_stations_of_single_precision_are_even_ones(fine):
     assert RoadProfile(single, plain.elevation).iri() == pytest.approx(plain.iri(), rel=2e-3)
 
 
+@pytest.mark.parametrize("first", [0.025, 0.075])
+def test_halves_may_be_rounded_up_here_and_down_there(first):
+    """As the binary fractions of the stations have it: 0.03, 0.07, 0.12, 0.17, ..."""
+    assert evenly_spaced(np.array([float(f"{first + 0.05 * i:.2f}") for i in range(4000)]))
+
+
 @pytest.mark.parametrize("missing", [1, 40, 200, 398])
 @pytest.mark.parametrize("every", [0.25, 0.2])
 def test_a_missing_reading_is_no_rounding(missing, every):
@@ -305,7 +311,7 @@ def test_shapes_that_are_meant_to_be_straight_are_not_coarse(drawn):
 
 
 def test_fine_roads_of_every_kind_are_not_coarse(fine):
-    """Potholes, smooth waves, elevations in whole centimetres."""
+    """Potholes, smooth waves, slabs that curl, elevations in whole centimetres."""
     road = bc.utia_road()
     for height in (0.02, 0.05, 0.1):
         holes = [pothole(490.0 + 25 * i, 1.0, height) for i in range(20)]
@@ -314,6 +320,9 @@ def test_fine_roads_of_every_kind_are_not_coarse(fine):
     x = 0.05 * np.arange(6000)
     for amplitude, wave in ((1e-3, 10), (1e-2, 20)):
         assert RoadProfile(x, amplitude * np.sin(2 * np.pi * x / wave)).measured_step <= 0.1
+    curled = 0.01 * ((x / 4.5) % 1 - 0.5) ** 2
+    for z in (curled, curled.round(5), 2e-3 * np.abs(np.sin(np.pi * x / 5))):
+        assert RoadProfile(x, z).measured_step <= 0.1
     for digits in (2, 3, 4):
         assert RoadProfile(fine.x, fine.elevation.round(digits)).measured_step < 0.1
 

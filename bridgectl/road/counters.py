@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from bridgectl._checks import FloatArray
 
 from .header import Columns
-from .lines import ProfileFileError, refusal
-from .tracks import UNITS
+from .lines import ProfileFileError, passing, refusal
+from .tracks import UNITS, Track
 
 FEW = 8  # points; fewer may rise evenly by chance
 EVEN = 0.2  # stations of one step: no rise differs from the mean one by more than this part of it,
@@ -41,11 +43,24 @@ def require_elevations(
         return
     x = values[0]
     counted = bool(x[0] in (0, 1) and np.all(np.diff(x) == 1))
-    more = counted and elevation + 1 < width
-    if more and label is not None and label.casefold() in LABELS:
+    if counted and label is not None and label.casefold() in LABELS:
         raise _mistaken(file, columns.station, width, (elevation,), elevation)
-    if _is_one_of(rise, [1.0, float(np.diff(x).mean())]) or (more and _even_rise(z, EXACT)):
-        raise _mistaken(file, elevation, width, (elevation if counted else columns.station,))
+    repeated = _is_one_of(rise, [1.0, float(np.diff(x).mean())])
+    if repeated or (elevation + 1 < width and _even_rise(z, EXACT)):
+        first = columns.station if repeated and not counted else elevation
+        raise _mistaken(file, elevation, width, (first,))
+
+
+def require_no_stations(
+    file: str, columns: Columns, x: FloatArray, tracks: Sequence[Track], width: int
+) -> None:
+    """Refuse tracks that rise as the stations [m] do, also where their unit is stated."""
+    if columns.station is None or x.size < FEW:
+        return
+    step = float(np.diff(x).mean())
+    for column, track in zip(columns.elevations, tracks, strict=True):
+        if _is_one_of(_even_rise(track.z, EVEN) * UNITS[track.unit], [step]):
+            raise _mistaken(file, column, width, (columns.station,))
 
 
 def _even_rise(z: FloatArray, tolerance: float) -> float:
@@ -67,6 +82,8 @@ def _mistaken(
     fault = f"column {column} (counted from 0) counts the lines or holds stations: "
     if following < width:
         fault += f"{passing_columns((*stations, following))} for those after it, or "
+    elif before is not None:
+        fault += f"{passing('step')} and {passing_columns((before,))[5:]} if there are none, or "
     kept = (0, 1) if stations else (0,)
     return refusal(file, f"{fault}{passing_columns(kept)} if it is right all the same")
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from bridgectl._checks import FloatArray
 
-from .counters import passing_columns, require_elevations
+from .counters import passing_columns, require_elevations, require_no_stations
 from .dialect import (
     CHAINAGE_DIGITS,
     COMMA,
@@ -46,7 +46,7 @@ from .lines import (
     split,
     wrong_separator,
 )
-from .missing import marker_station
+from .missing import UNTOLD, marker_station
 from .profile import RoadProfile
 from .table import Layout, Table, read_table
 from .tracks import (
@@ -62,6 +62,7 @@ from .tracks import (
     require_no_gap,
 )
 
+ROUNDED_AWAY = 20  # of so many stations, one may repeat another by a slip
 PEEK = 1000  # lines that show how the numbers are written
 
 
@@ -77,12 +78,14 @@ def read_delimited(
     width = len(split(first[1], delimiter))
     named, stating = headers(preamble, width, delimiter, request)
     columns = columns_of(request, stating)
-    _require_numbers(file, first, delimiter, request)
+    _require_numbers(file, rows, delimiter, request)
     _require_columns(file, columns, delimiter, width, first, request)
     units = _units(file, columns, stating, request)
     picked = pick([named.label(column) for column in columns.elevations])
     wanted = Columns(columns.station, tuple(columns.elevations[i] for i, _ in picked))
     layout = _layout(file, rows, delimiter, wanted, units[0], request)
+    if layout.chainage == CHAINAGE_DIGITS["m"]:
+        units = ("m", *units[1:])  # also where "km" tells what stands before the plus
     table = read_table(layout, first, texts)
     if table.values.shape[1] < 2:
         fault = "only one line of numbers: a road needs two or more"
@@ -90,13 +93,15 @@ def read_delimited(
     if request.columns is None and not (request.step is None and states_both(stating, wanted)):
         label = named.label(0) if named.names else None
         require_elevations(file, wanted, table.values, width, request.step, label)
-    if layout.chainage == CHAINAGE_DIGITS["m"]:
-        units = ("m", *units[1:])  # also where "km" tells what stands before the plus
-    x = _stations(file, table, request, units)
+    x = _stations(
+        file, table, request, units, stating.line if stating.unit(wanted.station or 0) else 0
+    )
     tracks = [
         Track(name, z, units[1 + i], _remedy(units[0], units[1 + i]))
         for z, (i, name) in zip(table.values[layout.stations :], picked, strict=True)
     ]
+    if request.columns is None:
+        require_no_stations(file, wanted, x, tracks, width)
     return make_roads(file, x, tracks, table.line, request)
 
 
@@ -146,7 +151,8 @@ def _layout(
 ) -> Layout:
     """Return how the numbers stand on the lines, as the first of them show."""
     width, stations = len(split(rows[0][1], delimiter)), 0 if wanted.station is None else 1
-    plain = Layout(file, wanted.all, delimiter, width, stations=stations, missing=request.missing)
+    missing = request.missing or UNTOLD
+    plain = Layout(file, wanted.all, delimiter, width, stations=stations, missing=missing)
     return replace(
         plain,
         decimal=request.decimal or decimal_mark(file, rows, delimiter, wanted.all),
@@ -154,11 +160,14 @@ def _layout(
     )
 
 
-def _require_numbers(file: str, first: Line, delimiter: str, request: Request) -> None:
-    """Refuse words where the numbers should begin."""
-    line, text = first
-    words = any(c.isalpha() for c in text) and not any(map(is_numeric, split(text, delimiter)))
-    if words and request.missing is None:
+def _require_numbers(file: str, rows: Sequence[Line], delimiter: str, request: Request) -> None:
+    """Refuse words where the numbers should begin, also such as 0.25 m above one column."""
+    line, text = rows[0]
+    numeric = [is_numeric(field) for field in split(text, delimiter)]
+    words = any(c.isalpha() for c in text) and not any(numeric) and request.missing is None
+    width, *others = (len(split(row, delimiter)) for _, row in rows[:3])
+    unlike = len(others) == 2 and len({*others}) == 1 and width not in others
+    if words or (unlike and not all(numeric)):
         fault = "expected a finite number in each column, or their names and units, found"
         advice = f"correct or remove the line, or {tell_skip_lines(line)}"
         raise refusal(file, f"{fault} {quoted(text)}: {advice}", line)
@@ -228,7 +237,9 @@ def _tell_units(request: Request) -> str:
     return TELL_UNITS.replace("m,mm", "mm").replace("(station, elevation)", "(elevation)")
 
 
-def _stations(file: str, table: Table, request: Request, units: tuple[str, ...]) -> FloatArray:
+def _stations(
+    file: str, table: Table, request: Request, units: tuple[str, ...], stated: int
+) -> FloatArray:
     if request.step is not None:
         return even_stations(0.0, request.step, table.values.shape[1])
     x: FloatArray = table.values[0]
@@ -241,7 +252,7 @@ def _stations(file: str, table: Table, request: Request, units: tuple[str, ...])
         raise refusal(file, _disorder(x, i, table), table.line(i))
     step = float(np.median(np.diff(x)))
     if odd_step(step):
-        raise refusal(file, _odd_unit(step, units))
+        raise refusal(file, _odd_unit(step, units, stated))
     require_no_gap(file, x, table.line)
     return x
 
@@ -249,22 +260,33 @@ def _stations(file: str, table: Table, request: Request, units: tuple[str, ...])
 def _disorder(x: FloatArray, i: int, table: Table) -> str:
     here, before = f"station {x[i]:.10g} m", f"{x[i - 1]:.10g} m on line {table.line(i - 1)}"
     if x[i] == x[i - 1]:
+        others = np.count_nonzero(np.diff(x) == 0) - 1
+        if others > x.size // ROUNDED_AWAY:
+            fault = f"{here} repeats {before}, as {others} others do: they are rounded too coarsely"
+            return (
+                f"{fault}, pass step= and columns= (--step and --columns) of the elevations alone"
+            )
         return f"{here} repeats {before}: remove one of the two lines"
     if np.all(x[1:] < x[:-1]):
         return f"{here} lies before {before}, and so on: reverse the order of the lines"
-    return f"{here} lies before {before}: sort the lines by station"
+    return f"{here} lies before {before}: sort the lines by station, or {passing('columns')}"
 
 
-def _odd_unit(step: float, units: tuple[str, ...]) -> str:
+def _odd_unit(step: float, units: tuple[str, ...], line: int) -> str:
+    """Say that the stations are in no unit of a road, be it told or stated on a line."""
     low, high = STEPS
     sizes = {unit: step / UNITS[units[0]] * UNITS[unit] for unit in UNITS}
     none = f"none: then {passing('columns', 'step')}"
     fitting = [f"{unit} ({size:.3g} m)" for unit, size in sizes.items() if low <= size <= high]
-    finer = "; average readings that are so close over 1 mm" if step < low else ""
+    other = "; average readings that are so close over 1 mm"
+    if step > high:
+        other = "; a road measured so far apart has lost the bumps that vehicles feel"
+    change = f'pass units="UNIT,{units[1]}" (--units UNIT,{units[1]})'
+    if line:
+        change = f"correct line {line}"
     return (
-        f"the stations in {units[0]} have a median {odd_step(step)}: "
-        f'pass units="UNIT,{units[1]}" (--units UNIT,{units[1]}) with the unit they are in, which '
-        f"may be {' or '.join(fitting) or none}{finer}"
+        f"the stations in {units[0]} have a median {odd_step(step)}: {change} with the unit they "
+        f"are in, which may be {' or '.join(fitting) or none}{other}"
     )
 
 

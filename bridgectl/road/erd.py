@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from .lines import Line, delimiter_of, is_blank, number, printable, quoted, refusal, split
+from .missing import UNTOLD
 from .profile import RoadProfile
 from .table import Layout, Table, read_table
 from .tracks import TELL_UNITS, UNITS, Pick, Request, Track, even_stations, make_roads, odd_step
@@ -89,7 +90,8 @@ def read_erd(file: str, texts: Iterator[str], request: Request, pick: Pick) -> l
     picked = pick([header.label(channel) for channel in channels])
     wanted = tuple(channels[i] for i, _ in picked)
     mark = delimiter_of(first[1])
-    layout = Layout(file, wanted, mark, n_channels, comments=False, missing=request.missing)
+    missing = request.missing or UNTOLD
+    layout = Layout(file, wanted, mark, n_channels, comments=False, missing=missing)
     table = read_table(layout, first, texts)
     _require_all(header, table, n_samples)
     x = even_stations(origin, step, n_samples)

@@ -103,7 +103,7 @@ def read_preamble(
             if mark := separator_line(text):
                 separator, skipped = checked_delimiter(file, mark, line), line
             break
-    above = _lines_above(head, skipped, separator, request)
+    above = _lines_above(file, head, skipped, separator, request)
     if above > skipped:
         passed = [line for line in _lines_of(head, skipped) if line[0] <= above]
         request.remarks.append(
@@ -142,19 +142,24 @@ def _lines_of(head: Sequence[str], skipped: int) -> Iterator[Line]:
             yield line, text
 
 
-def _lines_above(head: Sequence[str], skipped: int, separator: str | None, request: Request) -> int:
+def _lines_above(
+    file: str, head: Sequence[str], skipped: int, separator: str | None, request: Request
+) -> int:
     """Return how many lines to pass over: all above one that names columns and their units."""
     lines = list(_lines_of(head, skipped))
     for i, (line, text) in enumerate(lines[:-1]):
-        if _is_row(text, separator, request):
-            break
         if not _names_columns(text):
             continue
         row = lines[i + 1][1]
         delimiter = request.delimiter or separator or delimiter_in(row, request.decimal)
         header = make_header((line, text), len(split(row, delimiter)), delimiter)
         if is_complete(header, request):
-            return line - 1 if i else skipped
+            rows = [above for above in lines[:i] if _is_row(above[1], separator, request)]
+            if rows and request.units is None:
+                fault = f"numbers stand above the names and units on line {line}"
+                advice = f"remove them, or {tell_skip_lines(line - 1)}"
+                raise refusal(file, f"{fault}, {quoted(rows[0][1])}: {advice}", rows[0][0])
+            return skipped if rows or not i else line - 1
     return skipped
 
 

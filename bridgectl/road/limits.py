@@ -12,7 +12,7 @@ TEXTURE = 0.005  # [m]; stones are so high
 TOLERANCE = 1e-9  # [m]; stations closer than this are one place, apart only by round-off
 JITTER = 0.1  # of a step; stations that stray no farther, whatever from, change an IRI by 0.1 %
 ROUNDED = 0.55  # of a step; rounded stations stray no farther
-ROUND_OFF = 1.25  # of the last decimal; rounded stations stray no farther, as half of it either way
+ROUND_OFF = 1.5  # of the last decimal; stations rounded by half of it either way stray no farther
 DECIMAL_UNITS = (1.0, 0.3048, 0.0254)  # [m]; units whose decimals stations are rounded to
 
 

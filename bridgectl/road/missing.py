@@ -6,6 +6,7 @@ for an elevation only among neighbours that are like it.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from numbers import Real
@@ -16,12 +17,14 @@ from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 
-from .lines import refusal
+from .lines import COMMENTS, printable, refusal
 
 NONE = "none"
 OFF = 0.5  # a marker differs from its neighbours by more than this part of itself,
 TYPICAL = 5.0  # and by more than this many typical differences of neighbours
 WINDOW = 2**16  # readings compared at once
+
+_WORDS = re.compile(r"[^\d\s,\"']{0,20}|[+-]?[\d.]+e\+?\d+", re.IGNORECASE)
 
 
 def _markers() -> FloatArray:
@@ -60,6 +63,26 @@ class Missing:
             return float(word) in self.numbers
         except ValueError:
             return False
+
+    def telling(self, word: str) -> str:
+        """Return what to type to leave out what a word marks as well, in Python and elsewhere."""
+        told = ",".join([*sorted(self.words), *(f"{value:.12g}" for value in self.numbers), word])
+        argument = word if self == UNTOLD and _is_plain(word) else f'"{told}"'
+        return f"pass missing={argument} (--missing={told} on the command line)"
+
+
+UNTOLD = Missing()
+
+
+def _is_plain(word: str) -> bool:
+    return word[-1:].isdigit() and word.isascii()
+
+
+def maybe_missing(word: str, missing: Missing) -> str:
+    """Say what to type if a word that is no number of a road marks missing readings, if it may."""
+    if not _WORDS.fullmatch(word) or word != printable(word) or word in COMMENTS:
+        return ""
+    return f"; {missing.telling(word)} if it marks missing readings"
 
 
 def known_missing(missing: Any) -> Missing:
@@ -125,13 +148,10 @@ def require_no_marker(
     """Refuse a track in which the marker of a missing reading stands as an elevation."""
     if missing.all_told or (i := marker_in(z)) is None:
         return
-    markers = [*sorted(missing.words), *(f"{value:.12g}" for value in (*missing.numbers, z[i]))]
-    told = ",".join(markers)
-    argument = f'"{told}"' if len(markers) > 1 else told
     raise refusal(
         file,
-        f"the elevation {z[i]:.12g} {unit} looks like the marker of a missing reading: pass "
-        f"missing={argument} (--missing={told} on the command line) to leave such readings out, or "
+        f"the elevation {z[i]:.12g} {unit} looks like the marker of a missing reading: "
+        f"{missing.telling(f'{z[i]:.12g}')} to leave such readings out, or "
         f"missing=() (--missing={NONE}) if it is an elevation",
         line(i),
     )

@@ -72,12 +72,16 @@ def _straight_pieces(x: FloatArray, elevation: FloatArray) -> FloatArray:
     step = float(x[-1] - x[0]) / (x.size - 1)
     bends = np.diff(elevation, 2)
     least = max(NO_BEND * float(np.sqrt(np.mean(bends**2))), TOLERANCE)
-    bends[np.abs(bends) < least] = 0.0
+    slight = np.abs(bends) < least
+    # Slabs that curl are curved between their joints; there the slight bends add up.
+    sharp = float(np.abs(bends[~slight]).sum())
+    curved = abs(float(bends[slight].sum())) > max(NO_BEND * sharp, TOLERANCE)
+    bends[slight] = 0.0
     places = np.flatnonzero(bends) + 1
     # A bend between two stations is shared by both and of one sign there; in a rough road, or at
     # the ends of a joint, bends of neighbours are of opposite signs.
     opposed = float(bends[1:] @ bends[:-1]) < -0.05 * float(bends @ bends)
-    if opposed or places.size > FEW_BENDS * bends.size:
+    if opposed or curved or places.size > FEW_BENDS * bends.size:
         return step * np.ones(x.size - 1)
     places = places[np.diff(places, prepend=-1) > 1]
     pieces = np.diff(places, prepend=0, append=x.size - 1)

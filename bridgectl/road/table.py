@@ -26,7 +26,7 @@ from .lines import (
     split,
     wrong_separator,
 )
-from .missing import Missing
+from .missing import UNTOLD, Missing, maybe_missing
 
 BLOCK = 4096  # lines converted at once
 
@@ -48,7 +48,7 @@ class Layout:
     """How many of the wanted columns, the first ones, hold stations."""
     chainage: int = 0
     """How many digits follow the plus of stations like 12+345.6; 0 for plain ones."""
-    missing: Missing | None = None
+    missing: Missing = UNTOLD
     """What elevations are missing; they become NaN."""
 
     def numbers(self, line: int, text: str) -> tuple[float, ...]:
@@ -67,19 +67,21 @@ class Layout:
         try:
             return number(self._plain_field(field, place))
         except ValueError:
-            if place >= self.stations and self.missing and self.missing.marks(field):
+            if place >= self.stations and self.missing.marks(self._pointed(field)):
                 return np.nan
             raise
 
     def _plain_field(self, field: str, place: int) -> str:
         """Return a number of any dialect as `float` understands it."""
-        if self.decimal == COMMA:
-            if POINT in field:
-                raise ValueError(field)
-            field = field.replace(COMMA, POINT)
+        if self.decimal == COMMA and POINT in field:
+            raise ValueError(field)
+        field = self._pointed(field)
         if self.chainage and place < self.stations:
             field = without_plus(field, self.chainage)
         return field
+
+    def _pointed(self, text: str) -> str:
+        return text.replace(COMMA, POINT) if self.decimal == COMMA else text
 
     def rows(self, line: int, texts: list[str]) -> tuple[NDArray[np.int_], FloatArray]:
         """Return the lines and the numbers, shape (n, columns), of consecutive lines."""
@@ -137,8 +139,7 @@ class Layout:
         for word in (fields[column] for column in self.columns if column < len(fields)):
             if fault := byte_in(word) or (self.comments and whole and odd_mark(word, self.decimal)):
                 return fault
-        plain = text.replace(COMMA, POINT) if self.decimal == COMMA else text
-        if fault := wrong_separator(plain, self.delimiter):
+        if fault := wrong_separator(self._pointed(text), self.delimiter):
             advised = self.comments and fault.endswith("throughout")
             return f"{fault}, or {passing('delimiter')}" if advised else fault
         if len(fields) != self.width:
@@ -150,7 +151,10 @@ class Layout:
         what = "chainage" if self.chainage and place < self.stations else "finite number"
         fault = f"expected a {what} in column {column} (counted from 0), found {found}"
         comment = ", or begin it with # if it is a comment" if self.comments else ""
-        return f"{fault}: correct or remove the line{comment}"
+        absence = ""
+        if place >= self.stations:
+            absence = maybe_missing(self._pointed(word), self.missing)
+        return f"{fault}: correct or remove the line{comment}{absence}"
 
     def _holds(self, field: str, place: int) -> bool:
         try:

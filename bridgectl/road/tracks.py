@@ -12,7 +12,7 @@ from bridgectl._checks import FloatArray
 
 from .limits import MAX_SLOPE, first_too_steep
 from .lines import ProfileFileError, passing, quoted, refusal
-from .missing import Missing, absent, require_no_marker
+from .missing import UNTOLD, Missing, absent, require_no_marker
 from .profile import RoadProfile
 
 UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "ft": 0.3048, "in": 0.0254, "mil": 2.54e-5}
@@ -165,7 +165,7 @@ def _make_road(
     def line_of(row: int) -> int:
         return line(row if rows is None else int(rows[row]))
 
-    require_no_marker(file, z, track.unit, line_of, request.missing or Missing())
+    require_no_marker(file, z, track.unit, line_of, request.missing or UNTOLD)
     z *= UNITS[track.unit]
     require_gentle_track(file, x, z, line_of, track.unit, track.remedy)
     # Checked already, with the line of the file, and copies would double the memory.
