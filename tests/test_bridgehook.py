@@ -145,6 +145,18 @@ def test_what_is_expected_of_the_velocities_is_what_random_roads_show(bridge, mi
     assert slopes[1] == pytest.approx(expected[1], abs=4 * noise / np.std(axle))
 
 
+def test_on_a_bridge_that_does_not_yield_velocities_tell_what_they_told_on_the_road(middle_truck):
+    """The noise of the road and the damper are in balance there, in every cell."""
+    rock = bc.Beam(25.0, 18358.0, 5e18, n_modes=1)
+    crossing, nodes = bc.Crossing(rock, middle_truck, SPEED), np.linspace(0, 25, 126)
+    cells = build_cells(crossing, np.array([SPEED]), nodes, on_bridge=True)
+    gains = _expected(crossing, cells.transitions()[0][0, :, : crossing.n_states], nodes)
+    # Displacements [m] per velocity [m/s]: up to 0.13 s.
+    on_road = np.broadcast_to(gains[0, :4], gains[:, :4].shape)
+    assert gains[:, :4] == pytest.approx(on_road, abs=1e-3)
+    assert gains[0, [1, 3]] == pytest.approx(np.eye(2), abs=1e-12)
+
+
 # The law
 
 
