@@ -168,6 +168,7 @@ def test_the_weighting_can_be_connected_by_name():
     system = weighting_filter()
     assert system.input_labels == ["acceleration"]
     assert system.output_labels == ["weighted"]
+    assert system.name == "Wk"
     assert system.nstates == 8
     assert system.poles().real.max() == pytest.approx(-2 * np.pi * 0.4 / np.sqrt(2))
 
@@ -286,6 +287,12 @@ def test_a_force_without_its_static_load_draws_a_warning(measure):
         measure(wave(0.1 * W), W)
 
 
+def test_one_force_without_its_static_load_among_many_draws_a_warning():
+    histories = W + np.array([[0], [0], [0], [-W]]) + wave(0.1 * W)
+    with pytest.warns(UserWarning, match="the mean of force is .* of static_load"):
+        least_force(histories, W)
+
+
 @pytest.mark.parametrize(
     ("position", "cell", "message"),
     [
@@ -310,6 +317,15 @@ def test_a_percentile_beyond_100_is_an_error():
 def test_samples_too_far_apart_for_the_weighting_draw_a_warning():
     with pytest.warns(UserWarning, match="80 Hz"):
         weighted_rms(wave(1.0), 0.02)
+
+
+def test_samples_just_close_enough_for_the_weighting_draw_none():
+    assert weighted_rms(wave(1.0), 1 / 160) > 0.0
+
+
+def test_all_of_a_history_counts_unless_it_is_skipped():
+    found = weighted_rms(wave(1.0, n=600), 1e-3)
+    assert found == pytest.approx(rms(weighted_acceleration(wave(1.0, n=600), 1e-3)))
 
 
 def test_a_skip_that_leaves_nothing_is_an_error():

@@ -7,6 +7,8 @@ from helpers import random_case, rough_road
 from scipy.integrate import solve_ivp
 
 import bridgectl as bc
+from bridgectl.contact import fly
+from bridgectl.simulation import first_flight, prepare
 
 UM = 1e-6
 
@@ -63,6 +65,15 @@ def test_the_approach_matters_on_a_rough_road(bridge, truck):
     near = bc.daf(bridge, truck, 25.0, road)
     far = bc.daf(bridge, truck, 25.0, road, start=-200)
     assert abs(near - far) > 1e-3
+
+
+def test_an_approach_of_one_cell_shakes_the_vehicle_too(bridge, truck):
+    road = bc.RoadProfile([-0.05, 0.0, 25.0], [0.0, 0.01, 0.01])
+    fast, reference = (
+        bc.daf(bridge, truck, 25.0, road, start=-0.05, method=method)
+        for method in ("propagator", "control")
+    )
+    assert fast == pytest.approx(reference, abs=1e-6)  # what it gives to the vehicle is 4e-5
 
 
 def test_the_vehicle_on_the_approach_is_the_vehicle_system_on_that_road(bridge, truck):
@@ -189,6 +200,28 @@ def test_a_tire_that_leaves_the_road_flies_and_lands(bridge, truck, method):
     state, flights = flight(bc.Crossing(bridge, truck, speed), road, -20)
     assert flights >= 1
     assert np.asarray(response.states)[:, -1] == pytest.approx(state, abs=0.1 * UM)
+
+
+def test_a_flight_goes_through_all_nodes_from_a_start_at_rest(bridge, truck):
+    crossing = bc.Crossing(bridge, bc.convoy([truck, truck], [0.0, 4.0]), 10.0)
+    run = prepare(crossing, humped_road(0.09), -20.0)
+    nodes = run.nodes(10.0)
+    found = fly(run, nodes)
+    assert found.nodes[0] == -20.0
+    assert np.isin(nodes, found.nodes).all()
+    assert np.all(np.diff(found.nodes) > 0)
+    assert len(found.nodes) > len(nodes)  # the events are among them
+    assert found.effects.size == 6 * (len(found.nodes) - 1) + 1
+    assert found.states[:, 0].tolist() == [0.0] * crossing.n_states
+    assert found.forces[:, 0] == pytest.approx(crossing.linear.static_loads)
+
+
+def test_the_first_flight_is_where_the_first_tire_loses_contact():
+    x, down, up = np.arange(4.0), [5.0, 5.0, 0.0, 0.0], [5.0, 0.0, 5.0, 0.0]
+    assert first_flight(x, np.array([down, up])) == 1.0
+    assert first_flight(x, np.array([down])) == 2.0
+    assert first_flight(x, np.array([[5.0, 5.0, 5.0, 0.0]])) == 3.0
+    assert first_flight(x, np.full((2, 4), 1.0)) is None
 
 
 def test_two_trucks_that_fly_are_simulated_alike_by_both_routes(bridge, truck):
