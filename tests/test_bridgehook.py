@@ -173,6 +173,28 @@ def test_it_is_stiff_where_the_worth_of_a_force_and_the_velocity_are_opposed(fou
     assert clear.mean() > 0.15
 
 
+@pytest.mark.parametrize("place", [-60.0, -15.0, 0.0, 12.5, 25 * 35 / 36])
+def test_at_a_knot_of_its_table_it_switches_where_the_worth_changes_its_sign(found, place):
+    """Between knots, which lie closer to each other towards the bridge, the table is straight."""
+    constant, _, by_axle = (np.interp(place, found.positions, values) for values in found[1:])
+    turn = -constant / by_axle
+    c = (
+        LAWS[True]
+        .for_speed(SPEED)
+        .command(
+            position=place, axle_velocity=turn * np.array([0.999, 1.001]), suspension_velocity=0.1
+        )
+    )
+    before, after = (STIFF, SOFT) if constant < 0 else (SOFT, STIFF)
+    assert c.tolist() == [before, after]
+
+
+@pytest.mark.parametrize(("c_min", "c_max", "rest"), [(8e3, 30e3, 8e3), (1e3, 5e3, 5e3)])
+def test_it_rests_at_its_bound_where_the_own_damping_lies_beyond(bridge, truck, c_min, c_max, rest):
+    law = bridgehook(bridge, truck, c_min, c_max, feedback=False)
+    assert law.for_speed(SPEED).command(position=26.0, suspension_velocity=0.1) == rest
+
+
 @pytest.mark.parametrize("feedback", LAWS)
 def test_it_rests_beyond_its_reach_and_after_the_bridge(feedback):
     law = LAWS[feedback].for_speed(SPEED)

@@ -59,6 +59,27 @@ def test_sh_add_is_skyhook_for_slow_motion_and_add_for_fast():
     assert LAWS["SH-ADD"].command(**fast, suspension_velocity=0.2) == SOFT
 
 
+@pytest.mark.parametrize(
+    ("body", "axle", "c"),
+    [(0.1, -0.3, 11e3), (0.1, 0.3, 2e3), (-0.1, -0.3, 9e3), (-0.1, 0.3, SOFT)],
+    ids=["both agree", "the sky agrees", "the ground agrees", "none agrees"],
+)
+def test_the_hybrid_takes_of_sky_and_ground_what_agrees_with_the_velocity(body, axle, c):
+    """With b to both: F = b (share y_s' - (1 - share) y_t'), c = F / v."""
+    law = dampers.hybrid(SOFT, STIFF, share=0.4, gain=10e3)
+    for sign in (-1, 1):
+        measured = {"body_velocity": sign * body, "axle_velocity": sign * axle}
+        measured["suspension_velocity"] = sign * 0.2
+        assert law.command(**measured) == pytest.approx(c, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", sorted(n for n, law in LAWS.items() if "dead_band" in law.gains))
+def test_a_dead_band_is_one_metre_a_second_at_most(name):
+    assert LAWS[name].with_gains(dead_band=1.0).gains["dead_band"] == 1.0
+    with pytest.raises(ValueError, match=r"dead_band = 1\.1 is outside its bounds, 0 to 1"):
+        LAWS[name].with_gains(dead_band=1.1)
+
+
 def test_pdd_lets_neither_spring_nor_damper_drive_the_body():
     """Between its bounds the power of spring and damper is zero: K_s d v + c v^2 = 0."""
     v, travel = 0.1, -0.02
