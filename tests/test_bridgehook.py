@@ -192,6 +192,7 @@ def test_at_a_knot_of_its_table_it_switches_where_the_worth_changes_its_sign(fou
 @pytest.mark.parametrize(("c_min", "c_max", "rest"), [(8e3, 30e3, 8e3), (1e3, 5e3, 5e3)])
 def test_it_rests_at_its_bound_where_the_own_damping_lies_beyond(bridge, truck, c_min, c_max, rest):
     law = bridgehook(bridge, truck, c_min, c_max, feedback=False)
+    assert law.passive_damping == rest
     assert law.for_speed(SPEED).command(position=26.0, suspension_velocity=0.1) == rest
 
 
