@@ -88,6 +88,16 @@ def test_the_golden_cars_poles_are_the_published_ones():
     assert poles == pytest.approx(np.array(expected), rel=1e-12)
 
 
+def test_the_golden_car_can_be_connected_by_name():
+    car = golden_car()
+    assert (car.input_labels, car.output_labels) == (["slope"], ["suspension"])
+
+
+def test_two_slopes_of_a_road_are_enough_for_an_iri():
+    """Five samples at 0.1 m: three steps make the base of 250 mm."""
+    assert rectified_slope([0.0, 1e-3, 0.0, 1e-3, 0.0], 0.1).shape == (2,)
+
+
 def test_the_recursion_is_the_plain_loop_over_the_discretised_car():
     """Sayers' algorithm, step by step, as in the published programs; 3 samples at 0.1 m."""
     rng, step = np.random.default_rng(0), 0.1

@@ -1,6 +1,7 @@
 """Strategies: where each switches, what is refused, and the same law as a block and in C."""
 
 import ctypes
+import dataclasses
 import shutil
 import subprocess
 
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 import bridgectl as bc
 from bridgectl import dampers
 from bridgectl.dampers import SIGNALS, Damper, Strategy
+from bridgectl.dampers.actuator import bare_vehicle
 
 SOFT, STIFF = 1e3, 30e3
 LAWS = {
@@ -123,6 +125,33 @@ def test_the_costate_is_what_a_small_force_changes_in_the_peak_moment(bridge, tr
         assert ends[0] - ends[1] == pytest.approx(expected, rel=0.01, abs=1e-9)
 
 
+# Dampers and the library
+
+
+def test_a_damper_is_constant_if_its_strategy_keeps_one_damping_and_no_force_is_cut():
+    assert Damper(dampers.passive(7e3)).constant == 7e3
+    assert Damper(dampers.passive(7e3), max_force=0.5).constant is None
+    assert Damper(dampers.preset(SOFT, STIFF, n_dampings=2)).constant is None
+    assert Damper(LAWS["skyhook"]).constant is None
+
+
+def test_a_damper_takes_the_place_of_the_vehicles_own(truck):
+    assert bare_vehicle(truck) == dataclasses.replace(truck, damping=0.0)
+
+
+def test_the_librarys_bridgehook_is_for_the_bridge_the_vehicle_and_the_section(bridge, truck):
+    hook = dampers.library(bridge, truck, SOFT, STIFF, section=0.3)[-1]
+    assert (hook.beam, hook.vehicle, hook.section) == (bridge, truck, 0.3)
+    assert dampers.library(bridge, truck, SOFT, STIFF)[-1].section == 0.5
+
+
+def test_the_library_needs_a_damping_to_compare_with_however_small(bridge, truck):
+    least = dampers.library(bridge, dataclasses.replace(truck, damping=1.0), 0.5, STIFF)
+    assert least[0].c_min == 1.0
+    with pytest.raises(ValueError, match="vehicle must have a damping above 0"):
+        dampers.library(bridge, dataclasses.replace(truck, damping=0.0), SOFT, STIFF)
+
+
 # Your own law, as a block, and in C
 
 
@@ -141,8 +170,6 @@ def test_a_law_of_ones_own_takes_named_gains_and_they_can_be_changed():
 @pytest.mark.slow
 def test_a_strategy_as_a_block_closes_the_loop_around_a_crossing(bridge, truck):
     """A constant damper through `interconnect` is the passive crossing."""
-    import dataclasses
-
     bare = dataclasses.replace(truck, damping=0.0)
     crossing = bc.crossing_system(bridge, bare, 25.0)
     loop = ct.interconnect(
