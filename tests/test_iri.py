@@ -30,6 +30,27 @@ def test_the_running_iri_of_the_triangular_pulse_is_the_published_one():
         assert running[round(station / 0.25) - 1] == pytest.approx(expected, abs=1e-5)
 
 
+def test_the_running_iri_of_a_road_is_the_mean_of_what_lies_before_each_station():
+    road = bc.utia_road()
+    slope = rectified_slope(road.elevation, 0.25)
+    x, every = road.running_iri()
+    assert x == pytest.approx(road.x[1 : slope.size + 1])
+    assert every == pytest.approx(np.cumsum(slope) / np.arange(1, slope.size + 1), rel=1e-12)
+    x, last = road.running_iri(window=100)
+    assert x == pytest.approx(road.x[400 : slope.size + 1])
+    expected = [slope[i - 400 : i].mean() for i in range(400, slope.size + 1)]
+    assert last == pytest.approx(np.array(expected), rel=1e-9)
+
+
+def test_a_window_as_long_as_its_road_leaves_one_running_value():
+    road = bc.utia_road().crop(500, 600).resample(0.1)
+    x, found = road.running_iri(window=100)
+    assert found == pytest.approx([road.iri()], rel=1e-12)
+    assert x == pytest.approx([599.8])  # the moving average needs two more steps
+    with pytest.raises(ValueError, match=r"window = 100\.5 m is longer than the road of 100 m"):
+        road.running_iri(window=100.5)
+
+
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the shared reference files are not here")
 def test_all_120_running_values_of_the_pulse_are_the_published_ones():
     table = np.loadtxt(SHARED / "wtp46_pulse_check.csv", delimiter=",", skiprows=2)
