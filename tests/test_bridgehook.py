@@ -126,6 +126,15 @@ def test_the_feedback_spares_the_motion_that_the_damper_will_yet_use(
     assert gains @ np.array(measured) == pytest.approx(expected, rel=0.03)
 
 
+def test_what_the_damper_will_yet_take_off_goes_with_its_range_over_the_yield_speed(bridge, truck):
+    wide = peak_value(bridge, truck, SPEED, MIDDLE - 14e3, MIDDLE + 14e3, yield_speed=0.4)
+    narrow = peak_value(bridge, truck, SPEED, MIDDLE - 7e3, MIDDLE + 7e3, yield_speed=0.2)
+    never = peak_value(bridge, truck, SPEED, MIDDLE - 7e3, MIDDLE + 7e3, yield_speed=NEVER)
+    for mine, same in zip(wide, narrow, strict=True):
+        assert mine == pytest.approx(same, rel=1e-6, abs=1e-12)
+    assert np.abs(narrow.axle - never.axle).max() > 0.1 * np.abs(never.axle).max()
+
+
 def test_what_is_expected_of_the_velocities_is_what_random_roads_show(bridge, middle_truck):
     """Slope of the tire force on body and axle velocity at one place, over 400 roads."""
     x, place = -60 + 0.1 * np.arange(851), 8.0
