@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 import bridgectl as bc
 from bridgectl.contact import fly
-from bridgectl.simulation import first_flight, prepare
+from bridgectl.simulation import first_flight, linear_contact, prepare, speed_batches
 
 UM = 1e-6
 
@@ -214,6 +214,21 @@ def test_a_flight_goes_through_all_nodes_from_a_start_at_rest(bridge, truck):
     assert found.effects.size == 6 * (len(found.nodes) - 1) + 1
     assert found.states[:, 0].tolist() == [0.0] * crossing.n_states
     assert found.forces[:, 0] == pytest.approx(crossing.linear.static_loads)
+
+
+def test_whether_all_tires_stay_on_the_road_is_told_for_each_speed(bridge, truck):
+    speeds = np.array([25.0, 8.0, 30.0])
+    convoy = bc.convoy([truck, truck], [0.0, 4.0])
+    run = prepare(bc.Crossing(bridge, convoy, 25.0), humped_road(0.06), -20.0)
+    assert linear_contact(run, speeds).tolist() == [True, False, True]
+
+
+def test_speeds_are_treated_one_by_one_where_memory_holds_no_more(bridge, truck):
+    run = prepare(bc.Crossing(bridge, truck, 25.0), None, 0.0)
+    speeds = np.array([25.0, 8.0, 30.0])
+    assert list(speed_batches(run, speeds, 1.0)) == [slice(0, 1), slice(1, 2), slice(2, 3)]
+    (every,) = speed_batches(run, speeds)
+    assert speeds[every].size == 3
 
 
 def test_the_first_flight_is_where_the_first_tire_loses_contact():
