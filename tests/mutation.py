@@ -12,9 +12,14 @@ with a module or two: first of all every test runs once, which takes some minute
 mutant that lives costs the time of all tests that call its function. Constants of modules are
 not changed.
 
-Judge those that live. Some are no mistakes: a bound that is never met (`<` for `<=` of real
-numbers), labels of an `einsum` in capitals, a shortcut that is not taken, a word of a message.
-The others want a test that says in words what they break.
+Judge those that live. What test modules make as they are imported was made without the
+mistake: look again, in `.mutation/mutants`, with
+
+    MUTANT_UNDER_TEST=bridgectl.peaks.x_margins__mutmut_19 python -m pytest -n0 -x tests
+
+Some are no mistakes: `<` for `<=` of real numbers, labels of an `einsum` in capitals, a
+shortcut that is not taken, a word of a message, a bound of tuning moved by 1 in 1e6. The others
+want a test that says in words what they break.
 """
 
 from __future__ import annotations
