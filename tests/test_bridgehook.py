@@ -40,17 +40,38 @@ def found(bridge, truck):
 # What a force is worth
 
 
+@pytest.mark.parametrize("section", [0.5, 0.3])
 def test_for_one_sharp_peak_the_worth_is_the_costate_of_the_middle_damper(
-    bridge, truck, middle_truck, found
+    bridge, truck, middle_truck, found, section
 ):
-    sharp = peak_value(bridge, truck, SPEED, SOFT, STIFF, sharpness=1e9, yield_speed=NEVER)
-    expected = costate(bridge, middle_truck, SPEED)
+    never = {"section": section, "yield_speed": NEVER}
+    sharp = peak_value(bridge, truck, SPEED, SOFT, STIFF, sharpness=1e9, **never)
+    expected = costate(bridge, middle_truck, SPEED, section=section)
     before = expected.positions[:-2]
     worth = np.interp(before, sharp.positions, sharp.constant)
     assert worth == pytest.approx(expected.sigma[:-2], abs=0.02 * np.abs(expected.sigma).max())
     ahead = sharp.positions < before[-1]
     assert np.abs(sharp.body[ahead]).max() < 1e-3 * np.abs(found.body).max()
     assert np.abs(sharp.axle[ahead]).max() < 1e-3 * np.abs(found.axle).max()
+
+
+def test_a_force_is_worth_something_up_to_the_last_cell(found):
+    assert np.all(found.constant[:-1] != 0)
+    assert found.constant[-1] == 0
+
+
+@pytest.mark.parametrize("reach", [0.0, 12.0])
+def test_a_shorter_reach_changes_nothing_within_it(bridge, truck, found, reach):
+    near = peak_value(bridge, truck, SPEED, SOFT, STIFF, reach=reach)
+    assert near.positions[0] == -reach
+    inside = near.positions > 0.1 - reach  # its first node stands for half a cell
+    for values, of_all in zip(near[1:], found[1:], strict=True):
+        expected = np.interp(near.positions[inside], found.positions, of_all)
+        assert values[inside] == pytest.approx(expected, abs=1e-9 * np.abs(of_all).max())
+    sigma = costate(bridge, truck, SPEED, reach=reach)
+    whole = costate(bridge, truck, SPEED)
+    expected = np.interp(sigma.positions, *whole)
+    assert sigma.sigma == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
 
 
 def expected_state(bridge, car, place, measured):

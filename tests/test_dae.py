@@ -6,6 +6,7 @@ from helpers import rough_road
 
 import bridgectl as bc
 from bridgectl.peaks import find_peaks
+from bridgectl.ramps import DenseHistories, _RampsApart
 
 SPEED = 110 / 3.6
 SWEEP = np.arange(50, 151, 10) / 3.6
@@ -167,6 +168,25 @@ def test_peaks_of_ramps_of_any_height_are_those_of_all_of_their_histories(
             every = each + smooth[:, np.newaxis]
             found = surface.histories.peaks(speed, drop)
             assert found == pytest.approx(find_peaks(every).values, abs=1e-9)
+
+
+@pytest.mark.parametrize("approach", [0.0, 7.77])
+def test_no_ramp_exceeds_its_reach_in_a_block(bridge, truck, approach):
+    surface = bc.ramp_surface(bridge, truck, 30.0, approach=approach)
+    apart = _RampsApart(surface.histories, 0, 1e-3)
+    for block, bound in enumerate(apart.reach()):
+        assert np.abs(apart.block(block)).max() <= bound
+
+
+def test_histories_kept_one_by_one_scale_and_add_too():
+    rng = np.random.default_rng(0)
+    unit, smooth = rng.normal(size=(1, 13, 3)), rng.normal(size=(1, 13))
+    dense = DenseHistories(np.arange(3.0), smooth, unit)
+    assert dense.moments(0, 2e-3) == pytest.approx(2e-3 * unit[0], rel=1e-12)
+    drops = rng.normal(size=(3, 5))
+    assert dense.moments(0, drops) == pytest.approx(unit[0] @ drops, rel=1e-12)
+    one = find_peaks((smooth[0] + 2e-3 * unit[0, :, 1])[:, np.newaxis])
+    assert dense.peaks(0, 2e-3)[1] == pytest.approx(one.values[0], abs=1e-12)
 
 
 def test_an_effect_that_is_largest_as_the_vehicle_leaves_has_its_peaks_there(truck):

@@ -185,6 +185,11 @@ def test_each_bad_argument_is_named(arguments, message):
         bc.iso8608_profile(**{"roughness": "A", "length": 25, **arguments})
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_road_may_be_one_step_long(method):
+    assert iso8608_elevations(3, "A", 0.1, seed=1, method=method).shape == (3, 2)
+
+
 def test_a_batch_needs_a_whole_number_of_roads():
     with pytest.raises(ValueError, match="n_roads must be 1 or more"):
         iso8608_elevations(0, "A", 25)

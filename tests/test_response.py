@@ -216,6 +216,15 @@ def test_a_flight_goes_through_all_nodes_from_a_start_at_rest(bridge, truck):
     assert found.forces[:, 0] == pytest.approx(crossing.linear.static_loads)
 
 
+def test_where_a_tire_leaves_or_meets_the_road_its_force_is_nothing(bridge, truck):
+    run = prepare(bc.Crossing(bridge, truck, 10.0), humped_road(0.09), -20.0)
+    nodes = run.nodes(10.0)
+    found = fly(run, nodes)
+    events = ~np.isin(found.nodes, nodes)
+    assert events.sum() >= 2
+    assert found.forces[0, events] == pytest.approx(0.0, abs=0.01)  # newtons
+
+
 def test_whether_all_tires_stay_on_the_road_is_told_for_each_speed(bridge, truck):
     speeds = np.array([25.0, 8.0, 30.0])
     convoy = bc.convoy([truck, truck], [0.0, 4.0])
