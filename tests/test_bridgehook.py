@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 import bridgectl as bc
 from bridgectl.dampers import SIGNALS, Damper, bridgehook, costate, passive, simulate_loop
 from bridgectl.dampers.batch_law import BatchLaw
+from bridgectl.dampers.bridgehook import Bridgehook
 from bridgectl.dampers.peak_value import _expected, peak_value
 from bridgectl.dampers.strategy import CROSSING_OUTPUTS
 from bridgectl.propagator import build_cells
@@ -232,6 +233,12 @@ def test_it_rests_beyond_its_reach_and_after_the_bridge(feedback):
     assert np.array_equal(
         law.command(position=[-60.1, 25.1], axle_velocity=1.0, suspension_velocity=-1.0), [7e3, 7e3]
     )
+
+
+def test_it_looks_at_mid_span_unless_told_otherwise(bridge, truck):
+    assert Bridgehook(bridge, truck, SOFT, STIFF).section == 0.5
+    assert bridgehook(bridge, truck, SOFT, STIFF).section == 0.5
+    assert bridgehook(bridge, truck, SOFT, STIFF, section=0.3).section == 0.3
 
 
 def test_it_measures_the_velocities_and_without_feedback_that_of_the_suspension_alone():

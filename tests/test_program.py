@@ -56,14 +56,14 @@ def test_every_command_is_within_the_least_and_largest_damping(places, shape, x,
 @pytest.mark.parametrize("shape", ["steps", "lines"])
 def test_one_value_is_a_constant_damper(shape):
     law = program([3], [7000], shape=shape)
-    assert law.command(position=[-5.0, 3.0, 50.0]).tolist() == [7e3] * 3
+    assert law.command(position=[-5.0, 0.0, 3.0, 50.0]).tolist() == [7e3] * 4
     assert (law.c_min, law.c_max) == (7e3, 7e3)
 
 
 def test_a_program_measures_nothing_but_the_position(tmp_path):
     law = program(PLACES, DAMPINGS, name="soft on the approach")
     assert law.used == ["position"]
-    assert law.name == "soft on the approach"
+    assert (law.name, program([0], [1e3]).name) == ("soft on the approach", "program")
     assert law.gains == {}
     assert "damping(" in law.to_c(tmp_path / "damping.c").read_text()
     block = law.system(25.0)
@@ -80,6 +80,7 @@ def test_a_closed_valve_somewhere_is_allowed():
         (([], []), ValueError, "positions must hold at least one position"),
         (([0, 1], [1e3]), ValueError, "dampings must have one value for each of the 2 positions"),
         (([0, 0], [1e3, 1e3]), ValueError, "positions must increase, got 0 m before 0 m"),
+        (([0, 1, 1], [1e3] * 3), ValueError, "positions must increase, got 1 m before 1 m"),
         (([0, 2, 1], [1e3] * 3), ValueError, "positions must increase, got 2 m before 1 m"),
         (([0, 0.5, 0.2], [1e3] * 3), ValueError, "positions must increase, got 0.5 m before 0.2 m"),
         (([0, 1], [1e3, -1]), ValueError, "dampings must be 0 or more .*, got -1"),
