@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import bridgectl as bc
-from bridgectl.road.iri import golden_car, rectified_slope
+from bridgectl.road.iri import golden_car, rectified_slope, suspension_slope
 
 SHARED = Path(__file__).parents[2] / "shared" / "profiles"
 
@@ -112,6 +112,7 @@ def test_the_golden_cars_poles_are_the_published_ones():
 def test_the_golden_car_can_be_connected_by_name():
     car = golden_car()
     assert (car.input_labels, car.output_labels) == (["slope"], ["suspension"])
+    assert car.state_labels == ["sprung", "sprung_rate", "unsprung", "unsprung_rate"]
 
 
 def test_two_slopes_of_a_road_are_enough_for_an_iri():
@@ -128,8 +129,9 @@ def test_the_recursion_is_the_plain_loop_over_the_discretised_car():
     state, values = np.array([slope, 0, slope, 0]), []
     for i in range(len(z) - 3):
         state = discrete.A @ state + discrete.B[:, 0] * (z[i + 3] - z[i]) / 0.3
-        values.append(1e3 * abs(state[2] - state[0]))
-    assert rectified_slope(z, step) == pytest.approx(np.array(values), abs=1e-9)
+        values.append(1e3 * (state[2] - state[0]))
+    assert suspension_slope(z, step) == pytest.approx(np.array(values), abs=1e-9)
+    assert rectified_slope(z, step) == pytest.approx(np.abs(values), abs=1e-9)
 
 
 @pytest.mark.parametrize("start", [0.0, -20.0, -200.0, 1e5 / 3])

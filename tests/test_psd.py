@@ -151,6 +151,7 @@ def test_uneven_stations_are_an_error_that_says_what_to_type():
 def test_a_segment_of_a_few_steps_is_an_error():
     with pytest.raises(ValueError, match=r"segment must hold 8 steps of 0\.25 m or more, got 4"):
         bc.utia_road().psd(1.0)
+    assert bc.utia_road().psd(2.0).wavenumber == pytest.approx([0.5, 1.0, 1.5, 2.0])
 
 
 def test_a_band_that_holds_no_line_is_an_error():
