@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 import bridgectl as bc
 from bridgectl.contact import fly
+from bridgectl.propagator import build_cells
 from bridgectl.simulation import first_flight, linear_contact, prepare, speed_batches
 
 UM = 1e-6
@@ -230,6 +231,19 @@ def test_whether_all_tires_stay_on_the_road_is_told_for_each_speed(bridge, truck
     convoy = bc.convoy([truck, truck], [0.0, 4.0])
     run = prepare(bc.Crossing(bridge, convoy, 25.0), humped_road(0.06), -20.0)
     assert linear_contact(run, speeds).tolist() == [True, False, True]
+
+
+@pytest.mark.parametrize("tires", [1, 2])
+def test_the_maps_of_a_batch_of_speeds_fill_half_the_memory_or_more_and_not_more(
+    bridge, truck, tires
+):
+    vehicle = bc.convoy([truck] * tires, [0.0, 4.0][:tires])
+    run = prepare(bc.Crossing(bridge, vehicle, 25.0), None, 0.0)
+    speeds = np.linspace(25, 40, 100)
+    cells = build_cells(run.crossing, speeds[:1], run.nodes(25.0), on_bridge=True)
+    maps = (cells.inputs, cells.from_states, cells.from_road, cells.effect_from_stages)
+    memory = 10 * sum(of_one.nbytes for of_one in maps)
+    assert 5 <= next(speed_batches(run, speeds, memory)).stop <= 10
 
 
 def test_speeds_are_treated_one_by_one_where_memory_holds_no_more(bridge, truck):
