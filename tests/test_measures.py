@@ -111,6 +111,14 @@ def test_one_crossing_loads_each_place_by_the_fourth_power_of_its_force():
     assert found.percentile(95) == pytest.approx((1 + 0.2 * np.sin(0.45 * np.pi)) ** 4, abs=0.02)
 
 
+def test_a_place_counts_whose_ends_are_the_ends_of_the_way():
+    """0.3 m and 3 x 0.1 m are one place."""
+    x = 0.1 * np.arange(3, 28)
+    assert aggregate_fourth_power(np.full(25, W), W, x, 0.3).places[[0, -1]] == pytest.approx(
+        [0.45, 2.55], abs=1e-9
+    )
+
+
 def test_the_aggregate_over_speeds_and_tires_is_that_of_a_loop():
     rng = np.random.default_rng(4)
     speeds, loads = np.array([15.0, 20.0, 25.0]), np.array([40e3, 60e3])
