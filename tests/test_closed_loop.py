@@ -8,7 +8,7 @@ from helpers import loop_of_the_control_library, rough_road
 
 import bridgectl as bc
 from bridgectl import dampers
-from bridgectl.dampers import SIGNALS, Damper, simulate_loop
+from bridgectl.dampers import SIGNALS, Damper, LoopResult, simulate_loop
 from bridgectl.dampers.strategy import CROSSING_OUTPUTS
 from bridgectl.road import iso8608_elevations
 
@@ -46,6 +46,21 @@ def random_loop(seed):
     }
     road = rough_road(seed, -2, np.ceil(length), 0.5, height=1e-3)
     return beam, car, options, rng.uniform(20, 40), road
+
+
+def test_speeds_and_roads_of_a_result_are_taken_with_all_that_belongs_to_them():
+    rng = np.random.default_rng(0)
+    names = ("daf", "least_force", "lift_off", "dissipated", "switches")
+    values = dict(zip(names, rng.normal(size=(5, 3, 4)), strict=True))
+    histories = tuple({"damping": values} for values in rng.normal(size=(3, 4, 10)))
+    for recorded in (histories, ()):
+        found = LoopResult(**values, histories=recorded)
+        turned, some = found.of_speeds(np.array([2, 0, 1])), found.of_roads(slice(1, 3))
+        for name in names:
+            assert np.array_equal(getattr(turned, name), values[name][[2, 0, 1]])
+            assert np.array_equal(getattr(some, name), values[name][:, 1:3])
+        assert some.histories == recorded
+        assert turned.histories == tuple(recorded[i] for i in (2, 0, 1) if recorded)
 
 
 @pytest.mark.parametrize("damping", [2e3, 7e3, 30e3])

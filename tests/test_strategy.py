@@ -130,7 +130,8 @@ def test_the_costate_is_what_a_small_force_changes_in_the_peak_moment(bridge, tr
 
 def test_a_damper_is_constant_if_its_strategy_keeps_one_damping_and_no_force_is_cut():
     assert Damper(dampers.passive(7e3)).constant == 7e3
-    assert Damper(dampers.passive(7e3), max_force=0.5).constant is None
+    with pytest.warns(bc.PlausibilityWarning, match=r"for 0\.5 kN type 500"):
+        assert Damper(dampers.passive(7e3), max_force=0.5).constant is None
     assert Damper(dampers.preset(SOFT, STIFF, n_dampings=2)).constant is None
     assert Damper(LAWS["skyhook"]).constant is None
 
@@ -146,7 +147,8 @@ def test_the_librarys_bridgehook_is_for_the_bridge_the_vehicle_and_the_section(b
 
 
 def test_the_library_needs_a_damping_to_compare_with_however_small(bridge, truck):
-    least = dampers.library(bridge, dataclasses.replace(truck, damping=1.0), 0.5, STIFF)
+    with pytest.warns(bc.PlausibilityWarning, match="damping = 1 N s/m"):
+        least = dampers.library(bridge, dataclasses.replace(truck, damping=1.0), SOFT, STIFF)
     assert least[0].c_min == 1.0
     with pytest.raises(ValueError, match="vehicle must have a damping above 0"):
         dampers.library(bridge, dataclasses.replace(truck, damping=0.0), SOFT, STIFF)
