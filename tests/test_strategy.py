@@ -298,6 +298,11 @@ def test_a_path_that_takes_no_c_file_is_named(path, error, message, tmp_path, mo
         (lambda: LAWS["skyhook"].with_gains(x=1), ValueError, "no gain 'x', its gains: dead_band"),
         (lambda: LAWS["hybrid"].with_gains(share=2), ValueError, "share = 2 is outside its bounds"),
         (lambda: LAWS["skyhook"].command(velocity=1), ValueError, "unknown signal 'velocity'"),
+        (
+            lambda: LAWS["skyhook"].command(body_velocity=[[1.0], [1.0, 2.0]]),
+            TypeError,
+            "body_velocity must be an array of numbers",
+        ),
         (lambda: LAWS["skyhook"].to_c("law.txt"), ValueError, r"path must end in \.c"),
         (lambda: Damper("skyhook"), TypeError, "strategy must be a Strategy"),
         (lambda: Damper(LAWS["skyhook"], sample_time=0), ValueError, "sample_time must be above 0"),
