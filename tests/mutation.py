@@ -54,12 +54,29 @@ def without_decorators(source: str) -> str:
     return "\n".join(lines)
 
 
+def without_callers_lines(source: str) -> str:
+    """Hide the tests that ask for the file of a caller: mutmut stands between it and the package.
+
+    >>> print(without_callers_lines("def test_one():\\n    assert told[0].filename == __file__\\n"))
+    def hidden_test_one():
+        assert told[0].filename == __file__
+    <BLANKLINE>
+    """
+    for node in ast.parse(source).body:
+        about = isinstance(node, ast.FunctionDef) and ".filename" in ast.unparse(node)
+        if about and node.name.startswith("test_"):
+            source = source.replace(f"def {node.name}(", f"def hidden_{node.name}(")
+    return source
+
+
 def main(patterns: list[str]) -> int:
     """Copy what changed and run the mutants whose names match."""
     copied = shutil.ignore_patterns(".*", "__pycache__")
     shutil.copytree(".", PLACE, ignore=copied, dirs_exist_ok=True)
-    for path in (PLACE / "bridgectl").rglob("*.py"):
-        path.write_text(without_decorators(path.read_text(encoding="utf-8")), encoding="utf-8")
+    changes = (("bridgectl", without_decorators), ("tests", without_callers_lines))
+    for folder, change in changes:
+        for path in (PLACE / folder).rglob("*.py"):
+            path.write_text(change(path.read_text(encoding="utf-8")), encoding="utf-8")
     return subprocess.run(["mutmut", "run", *patterns], cwd=PLACE, check=False).returncode
 
 
