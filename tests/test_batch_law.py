@@ -23,6 +23,25 @@ def by_casadi(law, signals):
     return law.evaluate(rows).reshape(SHAPE)
 
 
+def test_what_is_foreseen_of_place_and_speed_is_what_is_evaluated_sample_by_sample():
+    """With more gains than there are signals: none is taken for one."""
+    gains = {f"k{i}": (1e3 * (i + 1), 0.0, 1e6) for i in range(len(SIGNALS) + 2)}
+
+    def law(s, g):
+        of_place = ca.if_else(s.position < 5, g.k0, g.k2) * s.speed / 25
+        return of_place + sum(getattr(g, name) for name in gains) * ca.fabs(s.body_velocity)
+
+    strategy, speeds = Strategy("own", law, 0, 1e6, gains), np.array([20.0, 25.0, 30.0])
+    positions = speeds[:, np.newaxis] * np.linspace(0, 0.5, 6)
+    batch = BatchLaw(strategy, [*speeds])
+    batch.foresee(positions, speeds)
+    for k in range(6):
+        signals = random_signals()
+        signals["position"] = np.broadcast_to(positions[:, [k]], SHAPE)
+        signals["speed"] = np.broadcast_to(speeds[:, np.newaxis], SHAPE)
+        assert np.array_equal(batch(signals, k), by_casadi(strategy, signals))
+
+
 def test_every_operation_on_arrays_is_casadis_own():
     """One law for each, of two signals that are rarely out of its range."""
     built = {

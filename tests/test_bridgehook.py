@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 import bridgectl as bc
 from bridgectl.dampers import SIGNALS, Damper, bridgehook, costate, passive, simulate_loop
 from bridgectl.dampers.batch_law import BatchLaw
+from bridgectl.dampers.bridgehook import Bridgehook
 from bridgectl.dampers.peak_value import _expected, peak_value
 from bridgectl.dampers.strategy import CROSSING_OUTPUTS
 from bridgectl.propagator import build_cells
@@ -40,17 +41,38 @@ def found(bridge, truck):
 # What a force is worth
 
 
+@pytest.mark.parametrize("section", [0.5, 0.3])
 def test_for_one_sharp_peak_the_worth_is_the_costate_of_the_middle_damper(
-    bridge, truck, middle_truck, found
+    bridge, truck, middle_truck, found, section
 ):
-    sharp = peak_value(bridge, truck, SPEED, SOFT, STIFF, sharpness=1e9, yield_speed=NEVER)
-    expected = costate(bridge, middle_truck, SPEED)
+    never = {"section": section, "yield_speed": NEVER}
+    sharp = peak_value(bridge, truck, SPEED, SOFT, STIFF, sharpness=1e9, **never)
+    expected = costate(bridge, middle_truck, SPEED, section=section)
     before = expected.positions[:-2]
     worth = np.interp(before, sharp.positions, sharp.constant)
     assert worth == pytest.approx(expected.sigma[:-2], abs=0.02 * np.abs(expected.sigma).max())
     ahead = sharp.positions < before[-1]
     assert np.abs(sharp.body[ahead]).max() < 1e-3 * np.abs(found.body).max()
     assert np.abs(sharp.axle[ahead]).max() < 1e-3 * np.abs(found.axle).max()
+
+
+def test_a_force_is_worth_something_up_to_the_last_cell(found):
+    assert np.all(found.constant[:-1] != 0)
+    assert found.constant[-1] == 0
+
+
+@pytest.mark.parametrize("reach", [0.0, 12.0])
+def test_a_shorter_reach_changes_nothing_within_it(bridge, truck, found, reach):
+    near = peak_value(bridge, truck, SPEED, SOFT, STIFF, reach=reach)
+    assert near.positions[0] == -reach
+    inside = near.positions > 0.1 - reach  # its first node stands for half a cell
+    for values, of_all in zip(near[1:], found[1:], strict=True):
+        expected = np.interp(near.positions[inside], found.positions, of_all)
+        assert values[inside] == pytest.approx(expected, abs=1e-9 * np.abs(of_all).max())
+    sigma = costate(bridge, truck, SPEED, reach=reach)
+    whole = costate(bridge, truck, SPEED)
+    expected = np.interp(sigma.positions, *whole)
+    assert sigma.sigma == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
 
 
 def expected_state(bridge, car, place, measured):
@@ -126,6 +148,15 @@ def test_the_feedback_spares_the_motion_that_the_damper_will_yet_use(
     assert gains @ np.array(measured) == pytest.approx(expected, rel=0.03)
 
 
+def test_what_the_damper_will_yet_take_off_goes_with_its_range_over_the_yield_speed(bridge, truck):
+    wide = peak_value(bridge, truck, SPEED, MIDDLE - 14e3, MIDDLE + 14e3, yield_speed=0.4)
+    narrow = peak_value(bridge, truck, SPEED, MIDDLE - 7e3, MIDDLE + 7e3, yield_speed=0.2)
+    never = peak_value(bridge, truck, SPEED, MIDDLE - 7e3, MIDDLE + 7e3, yield_speed=NEVER)
+    for mine, same in zip(wide, narrow, strict=True):
+        assert mine == pytest.approx(same, rel=1e-6, abs=1e-12)
+    assert np.abs(narrow.axle - never.axle).max() > 0.1 * np.abs(never.axle).max()
+
+
 def test_what_is_expected_of_the_velocities_is_what_random_roads_show(bridge, middle_truck):
     """Slope of the tire force on body and axle velocity at one place, over 400 roads."""
     x, place = -60 + 0.1 * np.arange(851), 8.0
@@ -145,6 +176,19 @@ def test_what_is_expected_of_the_velocities_is_what_random_roads_show(bridge, mi
     assert slopes[1] == pytest.approx(expected[1], abs=4 * noise / np.std(axle))
 
 
+@pytest.mark.filterwarnings("ignore::bridgectl.PlausibilityWarning")  # a bridge of rock
+def test_on_a_bridge_that_does_not_yield_velocities_tell_what_they_told_on_the_road(middle_truck):
+    """The noise of the road and the damper are in balance there, in every cell."""
+    rock = bc.Beam(25.0, 18358.0, 5e18, n_modes=1)
+    crossing, nodes = bc.Crossing(rock, middle_truck, SPEED), np.linspace(0, 25, 126)
+    cells = build_cells(crossing, np.array([SPEED]), nodes, on_bridge=True)
+    gains = _expected(crossing, cells.transitions()[0][0, :, : crossing.n_states], nodes)
+    # Displacements [m] per velocity [m/s]: up to 0.13 s.
+    on_road = np.broadcast_to(gains[0, :4], gains[:, :4].shape)
+    assert gains[:, :4] == pytest.approx(on_road, abs=1e-3)
+    assert gains[0, [1, 3]] == pytest.approx(np.eye(2), abs=1e-12)
+
+
 # The law
 
 
@@ -161,12 +205,41 @@ def test_it_is_stiff_where_the_worth_of_a_force_and_the_velocity_are_opposed(fou
     assert clear.mean() > 0.15
 
 
+@pytest.mark.parametrize("place", [-60.0, -15.0, 0.0, 12.5, 25 * 35 / 36])
+def test_at_a_knot_of_its_table_it_switches_where_the_worth_changes_its_sign(found, place):
+    """Between knots, which lie closer to each other towards the bridge, the table is straight."""
+    constant, _, by_axle = (np.interp(place, found.positions, values) for values in found[1:])
+    turn = -constant / by_axle
+    c = (
+        LAWS[True]
+        .for_speed(SPEED)
+        .command(
+            position=place, axle_velocity=turn * np.array([0.999, 1.001]), suspension_velocity=0.1
+        )
+    )
+    before, after = (STIFF, SOFT) if constant < 0 else (SOFT, STIFF)
+    assert c.tolist() == [before, after]
+
+
+@pytest.mark.parametrize(("c_min", "c_max", "rest"), [(8e3, 30e3, 8e3), (1e3, 5e3, 5e3)])
+def test_it_rests_at_its_bound_where_the_own_damping_lies_beyond(bridge, truck, c_min, c_max, rest):
+    law = bridgehook(bridge, truck, c_min, c_max, feedback=False)
+    assert law.passive_damping == rest
+    assert law.for_speed(SPEED).command(position=26.0, suspension_velocity=0.1) == rest
+
+
 @pytest.mark.parametrize("feedback", LAWS)
 def test_it_rests_beyond_its_reach_and_after_the_bridge(feedback):
     law = LAWS[feedback].for_speed(SPEED)
     assert np.array_equal(
         law.command(position=[-60.1, 25.1], axle_velocity=1.0, suspension_velocity=-1.0), [7e3, 7e3]
     )
+
+
+def test_it_looks_at_mid_span_unless_told_otherwise(bridge, truck):
+    assert Bridgehook(bridge, truck, SOFT, STIFF).section == 0.5
+    assert bridgehook(bridge, truck, SOFT, STIFF).section == 0.5
+    assert bridgehook(bridge, truck, SOFT, STIFF, section=0.3).section == 0.3
 
 
 def test_it_measures_the_velocities_and_without_feedback_that_of_the_suspension_alone():

@@ -8,7 +8,7 @@ from helpers import loop_of_the_control_library, rough_road
 
 import bridgectl as bc
 from bridgectl import dampers
-from bridgectl.dampers import SIGNALS, Damper, simulate_loop
+from bridgectl.dampers import SIGNALS, Damper, LoopResult, simulate_loop
 from bridgectl.dampers.strategy import CROSSING_OUTPUTS
 from bridgectl.road import iso8608_elevations
 
@@ -46,6 +46,38 @@ def random_loop(seed):
     }
     road = rough_road(seed, -2, np.ceil(length), 0.5, height=1e-3)
     return beam, car, options, rng.uniform(20, 40), road
+
+
+def test_what_a_controller_measures_is_what_the_response_of_a_passive_truck_has(bridge, truck):
+    road, speed, dt = rough_road(3, -5, 25), 25.0, 4e-3
+    damper = Damper(dampers.passive(truck.damping), sample_time=dt)
+    names = ("tire_force", "tire_force_rate", "suspension_travel", "axle_velocity")
+    found = simulate_loop(bridge, truck, damper, speed, road.x, road.elevation, record=names)
+    force, rate, travel, axle = (found.histories[0][name][0] for name in names)
+    times = -5 / speed + dt * np.arange(force.size)
+    whole = bc.crossing_response(bridge, truck, speed, road, start=-5, timepts=times)
+    states = dict(zip(whole.state_labels, whole.states, strict=True))
+    assert travel == pytest.approx(states["y_s"] - states["y_t"], abs=1e-8)  # metres
+    assert axle == pytest.approx(states["y_t_dot"], abs=1e-6)
+    assert force == pytest.approx(whole.outputs["tire_force"], abs=1.0)  # newtons
+    assert rate == pytest.approx(np.diff(force, prepend=force[0]) / dt, rel=1e-9)
+    least = bc.crossing_response(bridge, truck, speed, road, start=-5).outputs["tire_force"].min()
+    assert found.least_force[0, 0] == pytest.approx(least / force[0], abs=1e-3)
+
+
+def test_speeds_and_roads_of_a_result_are_taken_with_all_that_belongs_to_them():
+    rng = np.random.default_rng(0)
+    names = ("daf", "least_force", "lift_off", "dissipated", "switches")
+    values = dict(zip(names, rng.normal(size=(5, 3, 4)), strict=True))
+    histories = tuple({"damping": values} for values in rng.normal(size=(3, 4, 10)))
+    for recorded in (histories, ()):
+        found = LoopResult(**values, histories=recorded)
+        turned, some = found.of_speeds(np.array([2, 0, 1])), found.of_roads(slice(1, 3))
+        for name in names:
+            assert np.array_equal(getattr(turned, name), values[name][[2, 0, 1]])
+            assert np.array_equal(getattr(some, name), values[name][:, 1:3])
+        assert some.histories == recorded
+        assert turned.histories == tuple(recorded[i] for i in (2, 0, 1) if recorded)
 
 
 @pytest.mark.parametrize("damping", [2e3, 7e3, 30e3])
@@ -167,6 +199,9 @@ def test_the_names_of_the_signals_are_those_of_the_crossing(bridge, truck):
         ({"elevations": [0, 0]}, ValueError, "one value for each of the 3 stations"),
         ({"stations": [0, 10, 20]}, ValueError, "to the end of the bridge, 25 m"),
         ({"stations": [0, 10, 10]}, ValueError, "stations must increase"),
+        ({"stations": [0, 26, 25]}, ValueError, "stations must increase"),
+        ({"stations": [1, 10, 25]}, ValueError, "stations must increase from 0 m or less"),
+        ({"stations": [0, 10, 24]}, ValueError, "to the end of the bridge, 25 m"),
         ({"speeds": [0.0]}, ValueError, "speeds must be above 0"),
     ],
 )

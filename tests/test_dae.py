@@ -5,6 +5,8 @@ import pytest
 from helpers import rough_road
 
 import bridgectl as bc
+from bridgectl.peaks import find_peaks
+from bridgectl.ramps import DenseHistories, _RampsApart
 
 SPEED = 110 / 3.6
 SWEEP = np.arange(50, 151, 10) / 3.6
@@ -152,6 +154,51 @@ def test_ramps_scale_and_add(bridge, truck):
     assert every == pytest.approx(histories.moments(0, one), abs=1e-12)
 
 
+@pytest.mark.parametrize("approach", [0.0, 7.77])
+@pytest.mark.parametrize("tires", [1, 2])
+def test_peaks_of_ramps_of_any_height_are_those_of_all_of_their_histories(
+    bridge, truck, approach, tires
+):
+    """Only stretches that may hold a peak are looked at: the rest must not hold one."""
+    convoy = bc.convoy([truck] * tires, [0.0, 3.33][:tires])
+    surface = bc.ramp_surface(bridge, convoy, [15.0, 30.0], approach=approach, ramp_length=0.5)
+    for speed, smooth in enumerate(surface.histories.smooth):
+        for drop in (1e-3, -1e-3, 2.0, -2.0):
+            each = surface.histories.moments(speed, drop * np.eye(len(surface.positions)))
+            every = each + smooth[:, np.newaxis]
+            found = surface.histories.peaks(speed, drop)
+            assert found == pytest.approx(find_peaks(every).values, abs=1e-9)
+
+
+@pytest.mark.parametrize("approach", [0.0, 7.77])
+def test_no_ramp_exceeds_its_reach_in_a_block(bridge, truck, approach):
+    surface = bc.ramp_surface(bridge, truck, 30.0, approach=approach)
+    apart = _RampsApart(surface.histories, 0, 1e-3)
+    for block, bound in enumerate(apart.reach()):
+        assert np.abs(apart.block(block)).max() <= bound
+
+
+def test_histories_kept_one_by_one_scale_and_add_too():
+    rng = np.random.default_rng(0)
+    unit, smooth = rng.normal(size=(1, 13, 3)), rng.normal(size=(1, 13))
+    dense = DenseHistories(np.arange(3.0), smooth, unit)
+    assert dense.moments(0, 2e-3) == pytest.approx(2e-3 * unit[0], rel=1e-12)
+    drops = rng.normal(size=(3, 5))
+    assert dense.moments(0, drops) == pytest.approx(unit[0] @ drops, rel=1e-12)
+    one = find_peaks((smooth[0] + 2e-3 * unit[0, :, 1])[:, np.newaxis])
+    assert dense.peaks(0, 2e-3)[1] == pytest.approx(one.values[0], abs=1e-12)
+
+
+def test_an_effect_that_is_largest_as_the_vehicle_leaves_has_its_peaks_there(truck):
+    """On 256 cells, of which blocks of 16 leave none over."""
+    surface = bc.ramp_surface(bc.Beam(25.6, 18358.0, 4.865e10), truck, 30.0, ramp_length=0.8)
+    rising = np.linspace(0.0, 100.0, surface.histories.smooth.size)
+    histories = dataclasses.replace(surface.histories, smooth=rising[np.newaxis])
+    at_exit = histories.moments(0, 1e-3)[-1]
+    assert len(histories.nodes) == 257
+    assert histories.peaks(0, 1e-3) == pytest.approx(100.0 + at_exit, abs=1e-9)
+
+
 def test_a_span_that_is_no_multiple_of_the_ramp_length_ends_in_a_cut_ramp(truck):
     beam = bc.Beam(10.04, 18000.0, 8e9)
     surface = bc.ramp_surface(beam, truck, [20.0, 30.0], approach=5.03)
@@ -161,15 +208,18 @@ def test_a_span_that_is_no_multiple_of_the_ramp_length_ends_in_a_cut_ramp(truck)
     assert surface.superposed_daf(road) == pytest.approx(simulated, abs=1e-6)
 
 
-def test_lift_off_is_simulated_where_superposition_no_longer_holds(bridge, truck):
+@pytest.mark.parametrize(
+    "case", [{}, {"recovery": "li2006"}, {"section": 0.4}, {"effect": "deflection"}], ids=str
+)
+def test_lift_off_is_simulated_where_superposition_no_longer_holds(bridge, truck, case):
     # Each end of this hump is one ramp 0.5 m long, 60 mm high.
     road = bc.RoadProfile([-20, -6, -5.5, -5, -4.5, 25], [0, 0, 0.06, 0.06, 0, 0])
     speeds = np.array([3.0, 12.0])
-    surface = bc.ramp_surface(bridge, truck, speeds, approach=20, ramp_length=0.5)
+    surface = bc.ramp_surface(bridge, truck, speeds, approach=20, ramp_length=0.5, **case)
     with pytest.warns(bc.LiftOffWarning):
         superposed = surface.superposed_daf(road)
     with pytest.warns(bc.LiftOffWarning):
-        simulated = bc.daf(bridge, truck, speeds, road, start=-20)
+        simulated = bc.daf(bridge, truck, speeds, road, start=-20, **case)
     assert superposed == pytest.approx(simulated, abs=1e-6)
 
 
@@ -179,6 +229,14 @@ def test_contributions_add_up_to_the_dae(bridge, truck):
     parts = surface.contributions(road)
     assert parts.shape == (11, 250)
     assert surface.daf_smooth + parts.sum(axis=1) == pytest.approx(surface.dae(road))
+
+
+def test_a_road_of_ramps_falls_by_them_and_has_the_name_it_is_given(paper):
+    drops = np.random.default_rng(1).normal(0, 1e-3, len(paper.positions))
+    road = paper.road(drops)
+    assert road.elevation[0] == 0.0
+    assert paper.ramps(road) * paper.ramp_height == pytest.approx(drops, abs=1e-12)
+    assert (road.name, paper.road(drops, "mine").name) == ("", "mine")
 
 
 def test_ramp_scale_factors_are_positive_for_a_drop(paper):

@@ -9,7 +9,7 @@ from test_closed_loop import LAWS, SOFT, STIFF, laws, random_loop
 
 import bridgectl as bc
 from bridgectl.dampers import Damper, passive, simulate_loop, skyhook
-from bridgectl.dampers.events import first_sign_change
+from bridgectl.dampers.events import Regime, first_sign_change
 
 ROUGH = 40
 """How many times steeper a road is made for a tire to leave it."""
@@ -98,6 +98,15 @@ def test_a_landing_with_a_stiff_tire_has_the_peak_force_of_a_fine_integration(br
     fine = FineLoop(bridge, car, Damper(skyhook(SOFT, STIFF)), 25.0, road)
     force = found.outputs["tire_force"]
     assert force.max() == pytest.approx(fine.largest, rel=1e-5)
+
+
+def test_an_event_turns_contact_and_takes_the_damper_to_its_limit_and_back():
+    column = np.array([[True], [True], [False], [True]])
+    before = Regime(column, np.array([[0.0], [1.0], [0.0], [-1.0]]))
+    event = np.array([[False, True], [False, True], [True, False], [False, False]])
+    after = before.after(event, np.array([[-2e3], [2e3], [5.0], [-2e3]]))
+    assert after.touching.ravel().tolist() == [True, True, True, True]
+    assert after.limited.ravel().tolist() == [-1.0, 0.0, 0.0, -1.0]
 
 
 def test_the_first_sign_change_of_a_cubic_is_found():

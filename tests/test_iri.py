@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import bridgectl as bc
-from bridgectl.road.iri import golden_car, rectified_slope
+from bridgectl.road.iri import golden_car, rectified_slope, suspension_slope
 
 SHARED = Path(__file__).parents[2] / "shared" / "profiles"
 
@@ -28,6 +28,27 @@ def test_the_running_iri_of_the_triangular_pulse_is_the_published_one():
     }  # fmt: skip
     for station, expected in published.items():
         assert running[round(station / 0.25) - 1] == pytest.approx(expected, abs=1e-5)
+
+
+def test_the_running_iri_of_a_road_is_the_mean_of_what_lies_before_each_station():
+    road = bc.utia_road()
+    slope = rectified_slope(road.elevation, 0.25)
+    x, every = road.running_iri()
+    assert x == pytest.approx(road.x[1 : slope.size + 1])
+    assert every == pytest.approx(np.cumsum(slope) / np.arange(1, slope.size + 1), rel=1e-12)
+    x, last = road.running_iri(window=100)
+    assert x == pytest.approx(road.x[400 : slope.size + 1])
+    expected = [slope[i - 400 : i].mean() for i in range(400, slope.size + 1)]
+    assert last == pytest.approx(np.array(expected), rel=1e-9)
+
+
+def test_a_window_as_long_as_its_road_leaves_one_running_value():
+    road = bc.utia_road().crop(500, 600).resample(0.1)
+    x, found = road.running_iri(window=100)
+    assert found == pytest.approx([road.iri()], rel=1e-12)
+    assert x == pytest.approx([599.8])  # the moving average needs two more steps
+    with pytest.raises(ValueError, match=r"window = 100\.5 m is longer than the road of 100 m"):
+        road.running_iri(window=100.5)
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the shared reference files are not here")
@@ -88,6 +109,17 @@ def test_the_golden_cars_poles_are_the_published_ones():
     assert poles == pytest.approx(np.array(expected), rel=1e-12)
 
 
+def test_the_golden_car_can_be_connected_by_name():
+    car = golden_car()
+    assert (car.input_labels, car.output_labels) == (["slope"], ["suspension"])
+    assert car.state_labels == ["sprung", "sprung_rate", "unsprung", "unsprung_rate"]
+
+
+def test_two_slopes_of_a_road_are_enough_for_an_iri():
+    """Five samples at 0.1 m: three steps make the base of 250 mm."""
+    assert rectified_slope([0.0, 1e-3, 0.0, 1e-3, 0.0], 0.1).shape == (2,)
+
+
 def test_the_recursion_is_the_plain_loop_over_the_discretised_car():
     """Sayers' algorithm, step by step, as in the published programs; 3 samples at 0.1 m."""
     rng, step = np.random.default_rng(0), 0.1
@@ -97,8 +129,9 @@ def test_the_recursion_is_the_plain_loop_over_the_discretised_car():
     state, values = np.array([slope, 0, slope, 0]), []
     for i in range(len(z) - 3):
         state = discrete.A @ state + discrete.B[:, 0] * (z[i + 3] - z[i]) / 0.3
-        values.append(1e3 * abs(state[2] - state[0]))
-    assert rectified_slope(z, step) == pytest.approx(np.array(values), abs=1e-9)
+        values.append(1e3 * (state[2] - state[0]))
+    assert suspension_slope(z, step) == pytest.approx(np.array(values), abs=1e-9)
+    assert rectified_slope(z, step) == pytest.approx(np.abs(values), abs=1e-9)
 
 
 @pytest.mark.parametrize("start", [0.0, -20.0, -200.0, 1e5 / 3])

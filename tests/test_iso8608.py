@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import bridgectl as bc
-from bridgectl.road import iso8608_elevations, shaping_filter
+from bridgectl.road import class_roughness, iso8608_elevations, shaping_filter
 from bridgectl.road.iri import golden_car, rectified_slope
 from bridgectl.road.psd import RoadPsd, elevation_psd
 
@@ -72,6 +72,13 @@ def test_the_filters_gain_squared_is_the_line_within_five_percent_in_its_band(wa
     assert gain**2 / line == pytest.approx(np.ones_like(n), abs=0.05)
 
 
+def test_the_filter_is_that_of_waviness_two_at_1_m_s_and_can_be_connected_by_name():
+    road = shaping_filter("A")
+    assert (road.input_labels, road.output_labels) == (["noise"], ["elevation"])
+    same = shaping_filter("A", waviness=2.0, speed=1.0)
+    assert road(0.3j) == pytest.approx(same(0.3j), rel=1e-12)
+
+
 def test_the_filter_met_at_a_speed_is_the_same_road():
     n = np.geomspace(0.01, 4, 50)
     still, moving = shaping_filter("C", waviness=1.7), shaping_filter("C", waviness=1.7, speed=25.0)
@@ -91,6 +98,22 @@ def test_the_spectral_roads_variance_is_the_integral_of_the_line():
     roads = iso8608_elevations(2000, "A", 100, seed=4)
     expected = np.sqrt(16e-6 * 0.01 * (1 / 0.01 - 1 / 4))
     assert roads.std() == pytest.approx(expected, rel=0.02)
+
+
+def test_a_short_spectral_road_has_the_slopes_of_waves_far_longer_than_it():
+    roads = iso8608_elevations(1000, "A", 5, seed=8)
+    n = np.geomspace(0.01, 4, 100_000)
+    rise = 2 * (1 - np.cos(2 * np.pi * n * 5)) * 16e-6 * (n / 0.1) ** -2
+    expected = np.sqrt(np.trapezoid(rise, n))
+    assert (roads[:, -1] - roads[:, 0]).std() == pytest.approx(expected, rel=0.08)
+
+
+def test_waves_down_to_two_steps_are_there_if_the_band_asks_for_them():
+    roads = iso8608_elevations(200, "A", 200, 0.25, seed=9)
+    slopes = np.diff(roads) / 0.25
+    n = np.geomspace(0.01, 2, 100_000)
+    density = 16e-6 * (n / 0.1) ** -2 * (2 * np.sin(np.pi * n * 0.25) / 0.25) ** 2
+    assert slopes.std() == pytest.approx(np.sqrt(np.trapezoid(density, n)), rel=0.01)
 
 
 def test_a_spectral_road_does_not_repeat_itself():
@@ -135,6 +158,12 @@ def test_waves_outside_the_band_are_left_out():
     assert (density.mean(axis=0) / line)[outside].max() < 1e-2
 
 
+def test_a_road_as_rough_as_the_limit_of_class_h_can_be_made():
+    limit = class_roughness("H", "upper")
+    found = iso8608_elevations(1, limit, 25, seed=1)
+    assert found == pytest.approx(iso8608_elevations(1, "H", 25, seed=1, level="upper"))
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -154,6 +183,11 @@ def test_waves_outside_the_band_are_left_out():
 def test_each_bad_argument_is_named(arguments, message):
     with pytest.raises(ValueError, match=message):
         bc.iso8608_profile(**{"roughness": "A", "length": 25, **arguments})
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_road_may_be_one_step_long(method):
+    assert iso8608_elevations(3, "A", 0.1, seed=1, method=method).shape == (3, 2)
 
 
 def test_a_batch_needs_a_whole_number_of_roads():

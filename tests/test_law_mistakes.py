@@ -114,6 +114,7 @@ def test_a_law_that_python_knows_no_signature_of_is_called_all_the_same():
             "its sign with the motion, as a force",
         ),
         (lambda s, g: 5 + ca.fabs(s.body_velocity), (SOFT, STIFF), "give all of them in N s/m"),
+        (lambda s, g: 0.007 + 0 * s.speed, (SOFT, STIFF), "returns 0.007 to 0.007 where c_min"),
         (lambda s, g: 7e3 + 0 * s.speed, (1, 30), "returns 7e.03 to 7e.03 where c_min and c_max"),
     ],
 )

@@ -8,8 +8,9 @@ from helpers import rough_road
 
 import bridgectl as bc
 from bridgectl.road import add_events, iso8608_elevations, step
+from bridgectl.road.iri import GOOD
 from bridgectl.tire_contact import TireContact
-from bridgectl.trust import TOLERANCE
+from bridgectl.trust import TALLEST, TOLERANCE, DaeTrust
 
 KMH = np.array([60, 80, 100, 120])
 APPROACH = 40.0
@@ -150,6 +151,24 @@ def test_one_road_has_one_iri_and_one_tallest_ramp(surface, elevations):
     trust = bc.dae_trust(surface, road)
     assert trust.peak_rise.shape == trust.trusted.shape == (4,)
     assert float(trust.iri) == pytest.approx(road.iri(), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("against", "trusted"),
+    [
+        ({"peak_rise": TOLERANCE, "tallest_ramp": TALLEST, "iri": 6.99}, True),
+        ({"peak_rise": TOLERANCE + 1e-9}, False),
+        ({"lift_off": True}, False),
+        ({"tallest_ramp": TALLEST + 1e-9}, False),
+        ({"iri": GOOD}, False),
+    ],
+    ids=["all at their limits", "peak moves", "lift-off", "tall ramp", "not good"],
+)
+def test_each_thing_alone_speaks_against_a_road_beyond_its_limit(against, trusted):
+    """Ramps of the paper's 10 mm are superposed by it; a good road is one below 7 m/km."""
+    nothing = {"peak_rise": 0.0, "lift_off": False, "tallest_ramp": 0.0, "iri": 0.0}
+    told = {name: np.array([value]) for name, value in (nothing | against).items()}
+    assert DaeTrust(**told, tolerance=TOLERANCE).trusted.tolist() == [[trusted]]
 
 
 def test_a_tolerance_of_nothing_is_an_error(surface, elevations):

@@ -111,6 +111,14 @@ def test_one_crossing_loads_each_place_by_the_fourth_power_of_its_force():
     assert found.percentile(95) == pytest.approx((1 + 0.2 * np.sin(0.45 * np.pi)) ** 4, abs=0.02)
 
 
+def test_a_place_counts_whose_ends_are_the_ends_of_the_way():
+    """0.3 m and 3 x 0.1 m are one place."""
+    x = 0.1 * np.arange(3, 28)
+    assert aggregate_fourth_power(np.full(25, W), W, x, 0.3).places[[0, -1]] == pytest.approx(
+        [0.45, 2.55], abs=1e-9
+    )
+
+
 def test_the_aggregate_over_speeds_and_tires_is_that_of_a_loop():
     rng = np.random.default_rng(4)
     speeds, loads = np.array([15.0, 20.0, 25.0]), np.array([40e3, 60e3])
@@ -168,6 +176,7 @@ def test_the_weighting_can_be_connected_by_name():
     system = weighting_filter()
     assert system.input_labels == ["acceleration"]
     assert system.output_labels == ["weighted"]
+    assert system.name == "Wk"
     assert system.nstates == 8
     assert system.poles().real.max() == pytest.approx(-2 * np.pi * 0.4 / np.sqrt(2))
 
@@ -286,6 +295,12 @@ def test_a_force_without_its_static_load_draws_a_warning(measure):
         measure(wave(0.1 * W), W)
 
 
+def test_one_force_without_its_static_load_among_many_draws_a_warning():
+    histories = W + np.array([[0], [0], [0], [-W]]) + wave(0.1 * W)
+    with pytest.warns(UserWarning, match="the mean of force is .* of static_load"):
+        least_force(histories, W)
+
+
 @pytest.mark.parametrize(
     ("position", "cell", "message"),
     [
@@ -310,6 +325,15 @@ def test_a_percentile_beyond_100_is_an_error():
 def test_samples_too_far_apart_for_the_weighting_draw_a_warning():
     with pytest.warns(UserWarning, match="80 Hz"):
         weighted_rms(wave(1.0), 0.02)
+
+
+def test_samples_just_close_enough_for_the_weighting_draw_none():
+    assert weighted_rms(wave(1.0), 1 / 160) > 0.0
+
+
+def test_all_of_a_history_counts_unless_it_is_skipped():
+    found = weighted_rms(wave(1.0, n=600), 1e-3)
+    assert found == pytest.approx(rms(weighted_acceleration(wave(1.0, n=600), 1e-3)))
 
 
 def test_a_skip_that_leaves_nothing_is_an_error():

@@ -1,5 +1,7 @@
 """Noise on measured velocities belongs to seed, road and speed, alone or in company."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
@@ -70,7 +72,7 @@ def test_two_processes_give_the_scores_of_one(bridge, truck, roads):
 
 def test_roads_speeds_and_seeds_have_noise_of_their_own(bridge, truck):
     """On roads that differ by a tenth of a millimetre far ahead, commands differ at once."""
-    bump = np.where(np.abs(X - 20) < 0.05, 1e-4, 0.0)
+    bump, between = (np.where(np.abs(X - place) < 0.05, 1e-4, 0.0) for place in (20, 20.4))
 
     def measured(speed, road, **changes):
         damper = Damper(skyhook(1e3, 30e3), velocity_noise=0.05, **changes)
@@ -79,8 +81,11 @@ def test_roads_speeds_and_seeds_have_noise_of_their_own(bridge, truck):
 
     first = measured(25.0, 0 * X)
     assert np.array_equal(first, measured(25.0, 0 * X))
-    for other in (measured(25.0, bump), measured(26.0, 0 * X), measured(25.0, 0 * X, seed=1)):
-        assert np.abs(first - other).max() > 0.02
+    others = [measured(25.0, bump), measured(25.0, between), measured(25.0, bump + between)]
+    others += [measured(26.0, 0 * X), measured(25.0, 0 * X, seed=1)]
+    for one, other in combinations([first, *others], 2):
+        assert np.abs(one - other).max() > 0.02
+    assert np.all(first != 0)  # from the first sample on
     assert np.std(first) == pytest.approx(0.05, rel=0.5)
 
 

@@ -48,6 +48,10 @@ def test_the_damping_is_within_its_bounds_and_mostly_at_them(best):
     assert at_a_bound.mean() > 0.6
 
 
+def test_where_it_matters_to_nobody_the_damping_stays_near_the_vehicles_own(best):
+    assert best.damping[best.positions > 15] == pytest.approx(7e3, abs=2e3)
+
+
 def test_the_damping_is_held_from_the_start_to_the_end_of_the_bridge(best):
     assert best.positions[0] == START
     assert best.positions.shape == best.damping.shape == (160,)
@@ -84,6 +88,24 @@ def test_a_damper_of_one_damping_is_that_passive_one(bridge, truck, road):
     assert found.daf == found.passive_daf
     assert found.damping == pytest.approx(7e3)
     assert found.status == room.NOT_SOLVED
+
+
+@pytest.mark.parametrize(("c_min", "c_max", "own"), [(9e3, STIFF, 9e3), (SOFT, 4e3, 4e3)])
+def test_the_own_damping_is_that_within_the_bounds(bridge, truck, c_min, c_max, own):
+    road = rough_road(3, 0, 25)
+    found = clairvoyant(bridge, truck, 30.0, road, c_min, c_max, step=0.05)
+    passive_truck = dataclasses.replace(truck, damping=own)
+    assert found.passive_daf == pytest.approx(
+        bc.daf(bridge, passive_truck, 30.0, road)[0], abs=1e-4
+    )
+    assert c_min <= found.damping.min() <= found.damping.max() <= c_max
+
+
+def test_no_range_has_no_shares(bridge, truck):
+    run = prepare(bc.Crossing(bridge, dataclasses.replace(truck, damping=0.0), SPEED), None, 0.0)
+    steps = optimal_steps.join(run, 0.1, 0.1, 7e3, 7e3)
+    for damping in (7e3, 9e3):
+        assert steps.shares(damping).tolist() == [0.0] * 10
 
 
 def test_a_single_interval_is_a_constant_damper(bridge, truck, road):

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.special import digamma
 
 import bridgectl as bc
-from bridgectl.road import class_roughness
+from bridgectl.road import RoadPsd, class_roughness
 from bridgectl.road.psd import BAND, PsdFit, elevation_psd
 
 MEANS = dict(zip("ABCDEFGH", 16e-6 * 4.0 ** np.arange(8), strict=True))
@@ -58,6 +59,32 @@ def test_a_short_road_is_fitted_without_bias():
     fits = np.array([random_walk(235, 0.05, 64e-6, seed).psd().fit() for seed in range(400)])
     assert fits[:, 0].mean() == pytest.approx(64e-6, rel=0.05)
     assert fits[:, 1].mean() == pytest.approx(2.0, abs=0.03)
+
+
+def test_stretches_that_overlap_by_half_count_a_little_less_than_one_each():
+    """Their Hann windows are correlated by 1/6, so their densities by 1/36."""
+    assert random_walk(100, 0.1, 16e-6, 0).psd().averages == 1.0
+    assert random_walk(150, 0.1, 16e-6, 0).psd().averages == pytest.approx(2 / (1 + 1 / 36))
+    five = random_walk(300, 0.1, 16e-6, 0).psd().averages
+    assert five == pytest.approx(5**2 / (5 + 2 * 4 / 36))
+
+
+def test_a_third_octave_is_freed_of_the_bias_of_its_few_tied_densities():
+    """Hann's window correlates densities with the next by 4/9 and with the second next by 1/36."""
+    n = 0.01 * np.arange(1, 65)
+    psd = RoadPsd(n, n**-2.0, averages=3.0)
+    place, logarithm = psd._third_octaves(np.array([n[0], n[-1]]))
+    which = np.floor(3 * np.log2(n / n[0])).astype(int)
+    octaves = [n[which == k] for k in np.unique(which)]
+    assert {len(octave) for octave in octaves} >= {1, 2, 3, 5}
+    for k, octave in enumerate(octaves):
+        apart = np.abs(np.subtract.outer(np.arange(octave.size), np.arange(octave.size)))
+        ties = np.array([1, 4 / 9, 1 / 36, 0])[np.minimum(apart, 3)].sum() / octave.size
+        m = 3.0 * octave.size / ties
+        expected = np.log(np.mean(octave**-2.0)) + np.log(m) - digamma(m)
+        assert logarithm[k] == pytest.approx(expected, abs=1e-12)
+        assert np.log(place[k]) == pytest.approx(np.log(octave).mean(), abs=1e-12)
+    assert len(place) == len(octaves)
 
 
 def test_a_fit_at_waviness_two_is_that_of_the_classes():
@@ -124,6 +151,7 @@ def test_uneven_stations_are_an_error_that_says_what_to_type():
 def test_a_segment_of_a_few_steps_is_an_error():
     with pytest.raises(ValueError, match=r"segment must hold 8 steps of 0\.25 m or more, got 4"):
         bc.utia_road().psd(1.0)
+    assert bc.utia_road().psd(2.0).wavenumber == pytest.approx([0.5, 1.0, 1.5, 2.0])
 
 
 def test_a_band_that_holds_no_line_is_an_error():

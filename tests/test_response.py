@@ -7,6 +7,9 @@ from helpers import random_case, rough_road
 from scipy.integrate import solve_ivp
 
 import bridgectl as bc
+from bridgectl.contact import fly
+from bridgectl.propagator import build_cells
+from bridgectl.simulation import first_flight, linear_contact, prepare, speed_batches
 
 UM = 1e-6
 
@@ -63,6 +66,15 @@ def test_the_approach_matters_on_a_rough_road(bridge, truck):
     near = bc.daf(bridge, truck, 25.0, road)
     far = bc.daf(bridge, truck, 25.0, road, start=-200)
     assert abs(near - far) > 1e-3
+
+
+def test_an_approach_of_one_cell_shakes_the_vehicle_too(bridge, truck):
+    road = bc.RoadProfile([-0.05, 0.0, 25.0], [0.0, 0.01, 0.01])
+    fast, reference = (
+        bc.daf(bridge, truck, 25.0, road, start=-0.05, method=method)
+        for method in ("propagator", "control")
+    )
+    assert fast == pytest.approx(reference, abs=1e-6)  # what it gives to the vehicle is 4e-5
 
 
 def test_the_vehicle_on_the_approach_is_the_vehicle_system_on_that_road(bridge, truck):
@@ -189,6 +201,65 @@ def test_a_tire_that_leaves_the_road_flies_and_lands(bridge, truck, method):
     state, flights = flight(bc.Crossing(bridge, truck, speed), road, -20)
     assert flights >= 1
     assert np.asarray(response.states)[:, -1] == pytest.approx(state, abs=0.1 * UM)
+
+
+def test_a_flight_goes_through_all_nodes_from_a_start_at_rest(bridge, truck):
+    crossing = bc.Crossing(bridge, bc.convoy([truck, truck], [0.0, 4.0]), 10.0)
+    run = prepare(crossing, humped_road(0.09), -20.0)
+    nodes = run.nodes(10.0)
+    found = fly(run, nodes)
+    assert found.nodes[0] == -20.0
+    assert np.isin(nodes, found.nodes).all()
+    assert np.all(np.diff(found.nodes) > 0)
+    assert len(found.nodes) > len(nodes)  # the events are among them
+    assert found.effects.size == 6 * (len(found.nodes) - 1) + 1
+    assert found.states[:, 0].tolist() == [0.0] * crossing.n_states
+    assert found.forces[:, 0] == pytest.approx(crossing.linear.static_loads)
+
+
+def test_where_a_tire_leaves_or_meets_the_road_its_force_is_nothing(bridge, truck):
+    run = prepare(bc.Crossing(bridge, truck, 10.0), humped_road(0.09), -20.0)
+    nodes = run.nodes(10.0)
+    found = fly(run, nodes)
+    events = ~np.isin(found.nodes, nodes)
+    assert events.sum() >= 2
+    assert found.forces[0, events] == pytest.approx(0.0, abs=0.01)  # newtons
+
+
+def test_whether_all_tires_stay_on_the_road_is_told_for_each_speed(bridge, truck):
+    speeds = np.array([25.0, 8.0, 30.0])
+    convoy = bc.convoy([truck, truck], [0.0, 4.0])
+    run = prepare(bc.Crossing(bridge, convoy, 25.0), humped_road(0.06), -20.0)
+    assert linear_contact(run, speeds).tolist() == [True, False, True]
+
+
+@pytest.mark.parametrize("tires", [1, 2])
+def test_the_maps_of_a_batch_of_speeds_fill_half_the_memory_or_more_and_not_more(
+    bridge, truck, tires
+):
+    vehicle = bc.convoy([truck] * tires, [0.0, 4.0][:tires])
+    run = prepare(bc.Crossing(bridge, vehicle, 25.0), None, 0.0)
+    speeds = np.linspace(25, 40, 100)
+    cells = build_cells(run.crossing, speeds[:1], run.nodes(25.0), on_bridge=True)
+    maps = (cells.inputs, cells.from_states, cells.from_road, cells.effect_from_stages)
+    memory = 10 * sum(of_one.nbytes for of_one in maps)
+    assert 5 <= next(speed_batches(run, speeds, memory)).stop <= 10
+
+
+def test_speeds_are_treated_one_by_one_where_memory_holds_no_more(bridge, truck):
+    run = prepare(bc.Crossing(bridge, truck, 25.0), None, 0.0)
+    speeds = np.array([25.0, 8.0, 30.0])
+    assert list(speed_batches(run, speeds, 1.0)) == [slice(0, 1), slice(1, 2), slice(2, 3)]
+    (every,) = speed_batches(run, speeds)
+    assert speeds[every].size == 3
+
+
+def test_the_first_flight_is_where_the_first_tire_loses_contact():
+    x, down, up = np.arange(4.0), [5.0, 5.0, 0.0, 0.0], [5.0, 0.0, 5.0, 0.0]
+    assert first_flight(x, np.array([down, up])) == 1.0
+    assert first_flight(x, np.array([down])) == 2.0
+    assert first_flight(x, np.array([[5.0, 5.0, 5.0, 0.0]])) == 3.0
+    assert first_flight(x, np.full((2, 4), 1.0)) is None
 
 
 def test_two_trucks_that_fly_are_simulated_alike_by_both_routes(bridge, truck):

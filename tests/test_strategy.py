@@ -1,6 +1,7 @@
 """Strategies: where each switches, what is refused, and the same law as a block and in C."""
 
 import ctypes
+import dataclasses
 import shutil
 import subprocess
 
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 import bridgectl as bc
 from bridgectl import dampers
 from bridgectl.dampers import SIGNALS, Damper, Strategy
+from bridgectl.dampers.actuator import bare_vehicle
 
 SOFT, STIFF = 1e3, 30e3
 LAWS = {
@@ -59,6 +61,27 @@ def test_sh_add_is_skyhook_for_slow_motion_and_add_for_fast():
     assert LAWS["SH-ADD"].command(**fast, suspension_velocity=0.2) == SOFT
 
 
+@pytest.mark.parametrize(
+    ("body", "axle", "c"),
+    [(0.1, -0.3, 11e3), (0.1, 0.3, 2e3), (-0.1, -0.3, 9e3), (-0.1, 0.3, SOFT)],
+    ids=["both agree", "the sky agrees", "the ground agrees", "none agrees"],
+)
+def test_the_hybrid_takes_of_sky_and_ground_what_agrees_with_the_velocity(body, axle, c):
+    """With b to both: F = b (share y_s' - (1 - share) y_t'), c = F / v."""
+    law = dampers.hybrid(SOFT, STIFF, share=0.4, gain=10e3)
+    for sign in (-1, 1):
+        measured = {"body_velocity": sign * body, "axle_velocity": sign * axle}
+        measured["suspension_velocity"] = sign * 0.2
+        assert law.command(**measured) == pytest.approx(c, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", sorted(n for n, law in LAWS.items() if "dead_band" in law.gains))
+def test_a_dead_band_is_one_metre_a_second_at_most(name):
+    assert LAWS[name].with_gains(dead_band=1.0).gains["dead_band"] == 1.0
+    with pytest.raises(ValueError, match=r"dead_band = 1\.1 is outside its bounds, 0 to 1"):
+        LAWS[name].with_gains(dead_band=1.1)
+
+
 def test_pdd_lets_neither_spring_nor_damper_drive_the_body():
     """Between its bounds the power of spring and damper is zero: K_s d v + c v^2 = 0."""
     v, travel = 0.1, -0.02
@@ -102,6 +125,35 @@ def test_the_costate_is_what_a_small_force_changes_in_the_peak_moment(bridge, tr
         assert ends[0] - ends[1] == pytest.approx(expected, rel=0.01, abs=1e-9)
 
 
+# Dampers and the library
+
+
+def test_a_damper_is_constant_if_its_strategy_keeps_one_damping_and_no_force_is_cut():
+    assert Damper(dampers.passive(7e3)).constant == 7e3
+    with pytest.warns(bc.PlausibilityWarning, match=r"for 0\.5 kN type 500"):
+        assert Damper(dampers.passive(7e3), max_force=0.5).constant is None
+    assert Damper(dampers.preset(SOFT, STIFF, n_dampings=2)).constant is None
+    assert Damper(LAWS["skyhook"]).constant is None
+
+
+def test_a_damper_takes_the_place_of_the_vehicles_own(truck):
+    assert bare_vehicle(truck) == dataclasses.replace(truck, damping=0.0)
+
+
+def test_the_librarys_bridgehook_is_for_the_bridge_the_vehicle_and_the_section(bridge, truck):
+    hook = dampers.library(bridge, truck, SOFT, STIFF, section=0.3)[-1]
+    assert (hook.beam, hook.vehicle, hook.section) == (bridge, truck, 0.3)
+    assert dampers.library(bridge, truck, SOFT, STIFF)[-1].section == 0.5
+
+
+def test_the_library_needs_a_damping_to_compare_with_however_small(bridge, truck):
+    with pytest.warns(bc.PlausibilityWarning, match="damping = 1 N s/m"):
+        least = dampers.library(bridge, dataclasses.replace(truck, damping=1.0), SOFT, STIFF)
+    assert least[0].c_min == 1.0
+    with pytest.raises(ValueError, match="vehicle must have a damping above 0"):
+        dampers.library(bridge, dataclasses.replace(truck, damping=0.0), SOFT, STIFF)
+
+
 # Your own law, as a block, and in C
 
 
@@ -120,8 +172,6 @@ def test_a_law_of_ones_own_takes_named_gains_and_they_can_be_changed():
 @pytest.mark.slow
 def test_a_strategy_as_a_block_closes_the_loop_around_a_crossing(bridge, truck):
     """A constant damper through `interconnect` is the passive crossing."""
-    import dataclasses
-
     bare = dataclasses.replace(truck, damping=0.0)
     crossing = bc.crossing_system(bridge, bare, 25.0)
     loop = ct.interconnect(
@@ -248,6 +298,11 @@ def test_a_path_that_takes_no_c_file_is_named(path, error, message, tmp_path, mo
         (lambda: LAWS["skyhook"].with_gains(x=1), ValueError, "no gain 'x', its gains: dead_band"),
         (lambda: LAWS["hybrid"].with_gains(share=2), ValueError, "share = 2 is outside its bounds"),
         (lambda: LAWS["skyhook"].command(velocity=1), ValueError, "unknown signal 'velocity'"),
+        (
+            lambda: LAWS["skyhook"].command(body_velocity=[[1.0], [1.0, 2.0]]),
+            TypeError,
+            "body_velocity must be an array of numbers",
+        ),
         (lambda: LAWS["skyhook"].to_c("law.txt"), ValueError, r"path must end in \.c"),
         (lambda: Damper("skyhook"), TypeError, "strategy must be a Strategy"),
         (lambda: Damper(LAWS["skyhook"], sample_time=0), ValueError, "sample_time must be above 0"),
