@@ -170,7 +170,7 @@ class Loop:
         damper = self.stepper.damper_force(now.damping, velocity)
         beyond = now.force - self.stepper.weight
         rates = {
-            row: np.tensordot(vehicle, linear.state_matrix[row], (1, 0))
+            row: linear.state_matrix[row] @ vehicle
             + linear.tire_input[row, 0] * beyond
             + linear.damper_input[row, 0] * damper
             for row in (BODY, AXLE)
