@@ -1,5 +1,6 @@
 """Closed loops with lift-off, landing and force limits, against a fine integration."""
 
+import dataclasses
 import itertools
 
 import numpy as np
@@ -8,7 +9,7 @@ from fine_loop import FineLoop
 from test_closed_loop import LAWS, SOFT, STIFF, laws, random_loop
 
 import bridgectl as bc
-from bridgectl.dampers import Damper, passive, simulate_loop, skyhook
+from bridgectl.dampers import Damper, passive, preset, simulate_loop, skyhook
 from bridgectl.dampers.events import Regime, first_sign_change
 
 ROUGH = 40
@@ -33,7 +34,6 @@ def compare(beam, car, damper, speed, road):
     return found, FineLoop(beam, car, damper, speed, road)
 
 
-@pytest.mark.filterwarnings("ignore::bridgectl.LiftOffWarning")  # of preset, on the way
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize("name", [name for name in LAWS if not name.startswith("program")])
@@ -117,3 +117,23 @@ def test_the_first_sign_change_of_a_cubic_is_found():
     assert first_sign_change(nodes, falling) == pytest.approx(places, abs=1e-9)
     assert first_sign_change(nodes, bent) == pytest.approx(places, abs=1e-9)
     assert np.isinf(first_sign_change(nodes, np.ones((1, 4))))
+
+
+@pytest.mark.parametrize("section", [0.2, 0.5])
+def test_the_peak_of_a_beam_with_many_modes_is_found(truck, section):
+    """Eight modes of 11 m, the last at 490 Hz: as the passive crossing, solved exactly."""
+    beam = dataclasses.replace(bc.li2006.beam(11), n_modes=8)
+    road = bc.iso8608_profile("B", 11, seed=2)
+    speeds = np.linspace(10, 40, 7)
+    damper = Damper(passive(truck.damping), max_force=1e9)
+    where = {"start": 0, "section": section}
+    found = bc.daf(beam, truck, speeds, road, damper=damper, **where)
+    assert found == pytest.approx(bc.daf(beam, truck, speeds, road, **where), abs=2e-5)
+
+
+def test_a_preset_damper_tells_of_a_lift_off_once(bridge, truck):
+    """Of the damping that it takes, not of those it tries."""
+    x, z = np.array([-10.0, -1.0, -0.9, 25.0]), [0, 0, -0.08, -0.08]
+    with pytest.warns(bc.LiftOffWarning) as told:
+        bc.daf(bridge, truck, 25.0, bc.RoadProfile(x, z), start=-10, damper=preset(SOFT, STIFF))
+    assert len(told) == 1

@@ -35,6 +35,17 @@ def test_a_noisy_crossing_is_the_same_alone_and_in_a_batch(bridge, truck, roads,
         assert together[i, j] == pytest.approx(alone, abs=1e-12)
 
 
+@pytest.mark.parametrize("start", [-8.4, -8.9, -10.4])
+def test_round_off_in_the_first_station_changes_no_noise(bridge, truck, start):
+    """As by -0.1 * 84: the way to the end of the bridge is a whole number of pieces of 100 mm."""
+    before = np.nextafter(np.nextafter(start, -np.inf), -np.inf)
+    one, other = (
+        simulate_loop(bridge, truck, NOISY, 25.0, [x, 0, 10, 25], [0, 0, 1e-3, 0]).daf[0, 0]
+        for x in (start, before)
+    )
+    assert other == pytest.approx(one, abs=1e-12)
+
+
 @pytest.mark.parametrize("seed", range(2))
 def test_the_order_of_a_batch_does_not_matter(bridge, truck, roads, together, seed):
     rng = np.random.default_rng(seed)

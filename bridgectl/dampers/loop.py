@@ -63,7 +63,8 @@ class Loop:
         self.stations, self.recorded = stations, recorded
         # Positive down, one row a station.
         self.drops = np.ascontiguousarray((elevations[:, :1] - elevations).T)
-        longest = min(longest_step(crossing, damper.strategy.c_max), damper.sample_time)
+        longest = longest_step(crossing, damper.strategy.c_max, crossing.beam.n_modes)
+        longest = min(longest, damper.sample_time)
         self.responses = Responses(crossing, longest)
         self.stepper = Stepper(crossing, damper, speeds, stations, self.drops, self.responses)
         parts = times_within(damper.sample_time, longest, damper.lag)
@@ -169,7 +170,7 @@ class Loop:
         damper = self.stepper.damper_force(now.damping, velocity)
         beyond = now.force - self.stepper.weight
         rates = {
-            row: np.tensordot(vehicle, linear.state_matrix[row], (1, 0))
+            row: linear.state_matrix[row] @ vehicle
             + linear.tire_input[row, 0] * beyond
             + linear.damper_input[row, 0] * damper
             for row in (BODY, AXLE)

@@ -7,6 +7,7 @@ import hashlib
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl.propagator import SAME_PLACE
 
 from .steps import Plan
 
@@ -53,7 +54,8 @@ class Noise:
         end: float,
     ) -> None:
         self.deviation, self.plan = deviation, plan
-        places = np.arange(stations[0], end, PIECE)
+        count = np.ceil((end - stations[0]) / PIECE - SAME_PLACE)  # not one more by round-off
+        places = stations[0] + PIECE * np.arange(count)
         roads = [_digest(np.interp(places, stations, road)) for road in drops.T]
         self.streams = [
             [np.random.default_rng([seed, _digest(speed), road]) for road in roads]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -13,7 +14,7 @@ from bridgectl._checks import FloatArray
 from bridgectl.crossing import Crossing
 from bridgectl.propagator import SAME_PLACE
 from bridgectl.quarter_car import QuarterCar
-from bridgectl.response import daf
+from bridgectl.response import LiftOffWarning, daf
 from bridgectl.road import RoadProfile
 from bridgectl.road.limits import evenly_spaced
 from bridgectl.surface import RAMP_HEIGHT, ramp_surface
@@ -47,7 +48,10 @@ class Preset(Strategy):
         """Return the damping of the smallest DAF of each crossing [N s/m], by superposition."""
         vehicle = bare_vehicle(crossing.vehicle)
         cars = [replace(vehicle, damping=float(c)) for c in self.dampings]
-        best = np.argmin([_dafs(crossing, car, speeds, stations, elevations) for car in cars], 0)
+        with warnings.catch_warnings():  # of the one that is taken its crossing tells
+            warnings.simplefilter("ignore", LiftOffWarning)
+            dafs = [_dafs(crossing, car, speeds, stations, elevations) for car in cars]
+        best = np.argmin(dafs, axis=0)
         return {"damping": self.dampings[best].T}
 
 

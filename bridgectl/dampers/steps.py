@@ -35,6 +35,9 @@ POINTS = np.array([*STAGES, 0.5, 1.0])
 MAX_PHASE = 0.1
 """Largest advance of phase of the vehicle's fastest motion in a step [rad]."""
 
+MAX_MODE_PHASE = 2.0
+"""And of the beam's fastest mode [rad]: it moves exactly, but peaks are sought through `POINTS`."""
+
 MAX_LAG = 0.5
 """Largest step after a sample, over the lag of the damping, which then changes fastest."""
 
@@ -78,13 +81,14 @@ class Plan:
         return int(here.sum())
 
 
-def longest_step(crossing: Crossing, c_max: float) -> float:
+def longest_step(crossing: Crossing, c_max: float, n_modes: int) -> float:
     """Return the longest duration of a step [s], for dampings up to c_max [N s/m]."""
     vehicle = crossing.linear
     stiffest = vehicle.state_matrix_on_tires() + np.outer(
         vehicle.damper_input[:, 0], c_max * SUSPENSION
     )
-    return float(MAX_PHASE / np.abs(np.linalg.eigvals(stiffest)).max())
+    fastest = np.abs(np.linalg.eigvals(stiffest)).max()
+    return float(min(MAX_PHASE / fastest, MAX_MODE_PHASE / crossing.beam.omega[n_modes - 1]))
 
 
 def times_within(sample_time: float, longest: float, lag: float) -> FloatArray:

@@ -68,7 +68,8 @@ def require_loop(
         n = crossing.n_vehicle + 2 * n_modes
         way = approach + crossing.beam.length + departure
         rounds = way / slowest / sample_time
-        steps = rounds * np.ceil(sample_time / min(longest_step(crossing, c_max), sample_time))
+        longest = min(longest_step(crossing, c_max, int(n_modes)), sample_time)
+        steps = rounds * np.ceil(sample_time / longest)
         steps += way / spacing
         together = min(roads, roads if at_once is None else at_once)
         columns = speeds * (together + n_ramps / 2)  # a ramp counts from where it begins
