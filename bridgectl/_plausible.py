@@ -67,8 +67,8 @@ STEEL_WHEEL = 1e8
 STIFFEST_WHEEL = 8e3
 """How many times stiffer than the suspension such a contact is at most."""
 
-SOFTEST_TIRE = 1e4
-"""Tires softer than this [N/m] have their stiffness in kN/m."""
+LIGHTEST_AXLE, SOFTEST_TIRE = 10.0, 1e4
+"""Axles lighter [kg] have their mass in tonnes, tires softer [N/m] their stiffness in kN/m."""
 
 FIRMEST = 50.0
 """Largest damping of a damper over the suspension's critical damping."""
@@ -79,7 +79,7 @@ SLOWEST_SAMPLE, SLOWEST_LAG, WEAKEST, NOISIEST = 0.1, 2.0, 100.0, 1.0
 ROUGHEST = 0.35
 """Largest rms slope of a road about its grade [m/m]: class G has 0.29 at steps of 0.1 m."""
 
-STEEPEST = 0.02
+STEEPEST = 0.01
 """Largest grade [m/m] on which a vehicle may start as if the road before it were level."""
 
 
@@ -175,10 +175,10 @@ def _beam_doubts(beam: Beam) -> Iterator[str]:
         )
     usual, found = 82 * length**-0.9, float(beam.frequencies[0])
     if not usual / SCATTER <= found <= usual * SCATTER:
+        remedy = _beam_remedy(beam, found / usual)
         yield (
             f"the first frequency of the beam is {found:.3g} Hz; bridges of {length:g} m have "
-            f"{usual / SCATTER:.2g} to {usual * SCATTER:.2g} Hz: {_beam_remedy(beam, found / usual)}; "
-            f"given were {given}"
+            f"{usual / SCATTER:.2g} to {usual * SCATTER:.2g} Hz: {remedy}; given were {given}"
         )
     ratio = float(beam.damping_ratios[0])
     if ratio > MOST_DAMPED:
@@ -256,9 +256,8 @@ def _quarter_car_doubts(car: QuarterCar) -> Iterator[str]:
     if not (HOP[0] <= hop <= HOP[1] or rail):
         remedy = f"for {tire:g} kN/m type tire_stiffness={1000 * tire:g}"
         if hop > HOP[1]:
-            remedy = f"for {axle:g} t type unsprung_mass={1000 * axle:g}"
-            if axle > LIGHTEST_VEHICLE:
-                remedy = "tires have 1e5 to 1e7 N/m"
+            in_t = f"for {axle:g} t type unsprung_mass={1000 * axle:g}"
+            remedy = in_t if axle < LIGHTEST_AXLE else "tires have 1e5 to 1e7 N/m"
         yield (
             f"the axle moves at {hop:.3g} Hz, vehicles' at {HOP[0]:g} to {HOP[1]:g} Hz: check "
             f"unsprung_mass = {axle:g} kg and tire_stiffness = {tire:g} N/m; {remedy}"

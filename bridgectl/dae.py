@@ -144,7 +144,8 @@ class RampSurface:
         if elevations.ndim not in (1, 2) or elevations.shape[-1] != len(self.positions) + 1:
             raise ValueError(
                 f"roads must have elevations at the {len(self.positions) + 1} stations of the "
-                f"surface, shape (n_roads, {len(self.positions) + 1}), got {elevations.shape}"
+                f"surface, shape (n_roads, {len(self.positions) + 1}), got {elevations.shape}: "
+                "type RoadProfile(x, elevation)"
             )
         scales = elevations[..., :-1] - elevations[..., 1:]
         scales /= self.ramp_height

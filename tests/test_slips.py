@@ -84,7 +84,9 @@ SPEEDS = [
     (-25, "speeds must be above 0 m/s"),
     (None, "speeds must be an array of numbers"),
     ([True], "speeds must be an array of numbers"),
-    ([[20, 25]], r"speeds must have shape \(n,\)"),
+    ([[20, 25]], r"speeds must have shape \(n,\).*type numpy.ravel\(speeds\)"),
+    ({20, 25}, r"speeds must be an array .*type a list"),
+    (iter([20, 25]), r"speeds must be an array .*type a list"),
     (MASKED, r"speeds has 1 masked value.*index \(1,\).*type keep"),
     ([np.nan], "speeds must be finite"),
 ]
@@ -93,6 +95,8 @@ PROFILE = [
     (ROAD.elevation, "profile must be a bridgectl.RoadProfile, got ndarray: type RoadProfile"),
     ([ROAD], "profile must be a bridgectl.RoadProfile, got list.*one road at a time"),
     (ELSEWHERE, r"the road covers x from 990 m to 1025 m.*place_bridge\(1000"),
+    (bc.RoadProfile(ROAD.x / 1000, ROAD.elevation), "covers .* for stations in km type Road"),
+    (bc.RoadProfile(ROAD.x, 0.05 * ROAD.x), r"grade of 5.0%.*type road.detrend\(\)"),
     (IN_MM, "road's slope .* mm .*Type RoadProfile"),
 ]
 START = [
@@ -100,7 +104,12 @@ START = [
     ("-10", "start must be one number.*type -10, without quotes"),
     (-20, "the road covers x from -10 m .*start=-10"),
 ]
-EFFECT = [("moments", "effect must be one of 'moment'"), (None, "effect must be one of")]
+EFFECT = [
+    ("moments", "effect must be one of 'moment'.*: type 'moment'$"),
+    ("Moment", "effect must be one of .*: type 'moment'$"),
+    ("bending", "effect must be one of .*got 'bending'$"),
+    (None, "effect must be one of"),
+]
 METHOD = [("fast", "method must be one of 'propagator'"), (None, "method must be one of")]
 DAMPER = [
     (7e3, r"damper must be .*type bridgectl.dampers.passive\(7e3\)"),
@@ -108,18 +117,21 @@ DAMPER = [
     (law, r'damper must be .*Strategy\("law", law, 1e3, 30e3\)'),
     ("skyhook", r"damper must be .*type bridgectl.dampers.skyhook\("),
     ([PASSIVE], "damper must be .*got list"),
+    (passive(3e6), "'passive 3000 kN s/m' of .* is a rigid link.*pass N s/m"),
 ]
 PROGRESS = [("no", "progress must be True or False"), (None, "progress must be True or False")]
 
 SLIPS = {
     "Beam": {
         "length": slips_of_numbers(
-            "length", (25000, "length = 25000 m is no span.*order"), (0, "length must be above 0")
+            "length", (25000, "length = 25000 m is no span.*for 25000 mm type length=25.*order"),
+            (2500, "for 2500 cm type length=25;"), (0, "length must be above 0"),
         ),
         "mass_per_length": slips_of_numbers(
             "mass_per_length",
             (18.358, "mass_per_length = 18.358 .*for 18.358 t/m type mass_per_length=18358"),
             (458950, "mass_per_length = 458950 .*type mass_per_length=18358"),
+            (180, "for 180 kN/m type mass_per_length=18349"),
         ),
         "flexural_rigidity": slips_of_numbers(
             "flexural_rigidity",
@@ -128,10 +140,13 @@ SLIPS = {
             (48.65, r"for E in GPa type flexural_rigidity=4.865e\+10"),
             (1.39, r"if it is J .* alone type flexural_rigidity=E\*1.39"),
             (1e-6, r"flexural_rigidity is E \[N/m\^2\] times J"),
+            (4.865e18, r"for J in cm\^4 type flexural_rigidity=4.865e\+10"),
+            (4.865e22, r"for J in mm\^4 type flexural_rigidity=4.865e\+10"),
         ),
         "n_modes": [
             (0, "n_modes must be 1 or more"), ("3", "n_modes must be a whole.*without quotes"),
             (2.5, "n_modes must be a whole number"), (True, "n_modes must be a whole number"),
+            (3.0, "n_modes must be a whole number, got 3.0: type 3$"),
         ],
         "damping_ratio": [
             (2, "damping_ratio must be below 1.*for 2 percent type 0.02"),
@@ -144,7 +159,7 @@ SLIPS = {
     "QuarterCar": {
         "sprung_mass": slips_of_numbers(
             "sprung_mass", (9, "sprung_mass = 9 kg .*lighter.*for 9 t type sprung_mass=9000"),
-            (100, "sprung_mass = 100 kg .* exchange the two"),
+            (100, r"sprung_mass = 100 kg .* \(the axle\): exchange the two$"),
         ),
         "unsprung_mass": slips_of_numbers(
             "unsprung_mass", (1, "axle moves at 218 Hz.*for 1 t type unsprung_mass=1000")
@@ -155,7 +170,10 @@ SLIPS = {
             (80e6, "suspension_stiffness = .*far stiffer than tire_stiffness"),
         ),
         "tire_stiffness": slips_of_numbers(
-            "tire_stiffness", (1800, r"for 1800 kN/m type tire_stiffness=1.8e\+06")
+            "tire_stiffness", (1800, r"N/m: for 1800 kN/m type tire_stiffness=1.8e\+06"),
+            (1.8e9, "the axle moves at 214 Hz.*; tires have 1e5 to 1e7 N/m"),
+            (13e3, "tire_stiffness = 13000 N/m: exchange the two$"),
+            (14e3, r"the axle moves at 1.54 Hz.*; for 14000 kN/m type tire_stiffness=1.4e\+07"),
         ),
         "damping": slips_of_numbers(
             "damping", (7, "damping = 7 N s/m.*for 7 kN s/m type damping=7000"),
