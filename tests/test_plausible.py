@@ -169,6 +169,7 @@ ENTRIES = {
     "crossing_response, lift-off": lambda b, c: bc.crossing_response(b, c, 10, JUMP, start=-10),
     "Damper": lambda b, c: Damper(passive(7e3), sample_time=2),
     "daf, damper in kN": lambda b, c: bc.daf(b, c, 20, damper=passive(7)),
+    "daf, damper in mN": lambda b, c: bc.daf(b, c, 20, damper=passive(3e6)),
     "crossing_response, damper in kN": lambda b, c: bc.crossing_response(
         b, c, 20, damper=skyhook(1, 30)
     ),

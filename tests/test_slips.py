@@ -117,7 +117,6 @@ DAMPER = [
     (law, r'damper must be .*Strategy\("law", law, 1e3, 30e3\)'),
     ("skyhook", r"damper must be .*type bridgectl.dampers.skyhook\("),
     ([PASSIVE], "damper must be .*got list"),
-    (passive(3e6), "'passive 3000 kN s/m' of .* is a rigid link.*pass N s/m"),
 ]
 PROGRESS = [("no", "progress must be True or False"), (None, "progress must be True or False")]
 
@@ -288,3 +287,39 @@ def test_a_slip_is_told_once_with_what_to_type(good, function, argument, slip, s
 @pytest.mark.parametrize("function", GOOD)
 def test_no_slip_is_no_word(good, function):
     getattr(bc, function)(**good)
+
+
+ELEVATIONS = np.zeros(9)
+SURFACE = bc.ramp_surface(BEAM, CAR, 25, ramp_length=0.5)
+OTHERS = {
+    "convoy of one": (lambda: bc.convoy(CAR, [0]), r"vehicles must be a list.*type \[front, rear"),
+    "convoy of a bridge": (lambda: bc.convoy([CAR, BEAM], [0, 5]), "vehicles must be a list"),
+    "convoy ahead": (
+        lambda: bc.convoy([CAR, CAR], [0, -5]), r"offsets must be distances.*type \[5.0, 0.0\]",
+    ),
+    "one mass": (
+        lambda: bc.Vehicle([9e3, 1e3], np.eye(2), np.eye(2), [1e6]), "numpy.diag.mass_matrix.",
+    ),
+    "one tire": (
+        lambda: bc.Vehicle(np.eye(2), np.eye(2), np.eye(2), 1.8e6), r"tire_stiff.* \[1.8e\+06\]",
+    ),
+    "arguments swapped": (
+        lambda: bc.dae_trust(ROAD, SURFACE), "surface must be a .*RampSurface, got RoadProfile",
+    ),
+    "elevations elsewhere": (
+        lambda: SURFACE.dae(ELEVATIONS), r"roads must have elevations.*type RoadProfile\(x, elev",
+    ),
+    "no approach": (lambda: SURFACE.dae(ELSEWHERE), "the crossing needs 0 m to 25 m"),
+    "long approach": (
+        lambda: bc.score([PASSIVE], BEAM, CAR, [ROAD], 25, approach=20), "or approach=10$",
+    ),
+    "small class": (lambda: bc.iso8608_profile("a", 25), "roughness must be .*: type 'A'$"),
+    "seed in words": (lambda: bc.iso8608_profile("A", 25, seed="x"), "seed must be a whole number"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", OTHERS)
+def test_slips_elsewhere_are_told_with_what_to_type(case):
+    call, says = OTHERS[case]
+    with pytest.raises((TypeError, ValueError), match=says):
+        call()
