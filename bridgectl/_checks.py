@@ -107,10 +107,21 @@ def floats(name: str, value: ArrayLike, *, unit: str = "") -> FloatArray:
     except ValueError as error:  # rows of different lengths
         raise TypeError(f"{name} must be an array of numbers{_in(unit)}: {error}") from None
     if given.dtype.kind not in "iuf" and given.size > 0:
+        remedy = _hint(value)
+        if not remedy and given.dtype.kind in "OU" and given.size > 1 and _of_numbers(given):
+            remedy = f": type numpy.array({name}, dtype=float)"
         raise TypeError(
-            f"{name} must be an array of numbers{_in(unit)}, got {_short(value)}{_hint(value)}"
+            f"{name} must be an array of numbers{_in(unit)}, got {_short(value)}{remedy}"
         )
     return np.array(given, dtype=np.float64)
+
+
+def _of_numbers(given: NDArray[Any]) -> bool:
+    """Tell whether strings or objects can be meant as numbers."""
+    try:
+        return bool(np.isfinite(given.astype(np.float64)).all())
+    except (TypeError, ValueError):
+        return False
 
 
 def finite(name: str, values: FloatArray, *, unit: str = "") -> None:
@@ -164,6 +175,15 @@ def choice(name: str, value: Any, allowed: tuple[str, ...]) -> str:
     return str(value)
 
 
+def path(name: str, value: Any, example: str) -> str:
+    """Return the name of a file as text."""
+    if isinstance(value, str | os.PathLike) and isinstance(file := os.fspath(value), str):
+        return file
+    raise TypeError(
+        f'{name} must be a string or a Path, got {_short(value)}: type {name}="{example}"'
+    )
+
+
 def flag(name: str, value: Any) -> bool:
     """Return `value` if it is True or False."""
     if not isinstance(value, bool | np.bool_):
@@ -189,7 +209,7 @@ def _hint(value: Any) -> str:
 
 
 def _short(value: Any) -> str:
-    text = repr(value)
+    text = " ".join(repr(value).split())
     return text if len(text) <= 60 else text[:57] + "..."
 
 

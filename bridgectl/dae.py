@@ -247,12 +247,15 @@ class RampSurface:
 
         Warns
         -----
+        PlausibilityWarning
+            As `dae`.
         UserWarning
             As `ramps`.
         """
         scales = self.ramps(road)
         if scales.ndim != 1:
             raise ValueError(f"road must be one road, got {len(scales)}: take one at a time")
+        judge_roads(*_profiles(road))
         return np.asarray(self.daf_difference * scales)
 
     @on_one_thread

@@ -183,6 +183,7 @@ ENTRIES = {
         [passive(7), skyhook(1, 30)], b, c, [ROAD], 20, approach=10, workers=1
     ),
     "dae, road in mm": lambda b, c: SURFACE.dae([ALMOST_FLAT, STEEP]),
+    "contributions, road in mm": lambda b, c: SURFACE.contributions(STEEP),
     "footprint": lambda b, c: tire_footprint(JUMP, 0.2),
     "weighting": lambda b, c: weighted_rms(np.ones(50), 0.05),
     "measures": lambda b, c: bc.measures.road_stress_factor(np.zeros(9), 98100.0),

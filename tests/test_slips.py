@@ -85,6 +85,8 @@ SPEEDS = [
     (None, "speeds must be an array of numbers"),
     ([True], "speeds must be an array of numbers"),
     ([[20, 25]], r"speeds must have shape \(n,\).*type numpy.ravel\(speeds\)"),
+    (["20", "25"], r"speeds must be an array .*type numpy.array\(speeds, dtype=float\)"),
+    (np.array([20, None]), r"speeds must be an array of numbers \[m/s\], got .*dtype=object\)$"),
     ({20, 25}, r"speeds must be an array .*type a list"),
     (iter([20, 25]), r"speeds must be an array .*type a list"),
     (MASKED, r"speeds has 1 masked value.*index \(1,\).*type keep"),
@@ -313,6 +315,10 @@ OTHERS = {
     "long approach": (
         lambda: bc.score([PASSIVE], BEAM, CAR, [ROAD], 25, approach=20), "or approach=10$",
     ),
+    "surface for its file": (
+        lambda: bc.load_surface(SURFACE), "path must be a string or a Path, got Ramp.*surface.npz",
+    ),
+    "road for its file": (lambda: bc.read_profile(ROAD.x), r"path must be .{,90}: type path=.road"),
     "small class": (lambda: bc.iso8608_profile("a", 25), "roughness must be .*: type 'A'$"),
     "seed in words": (lambda: bc.iso8608_profile("A", 25, seed="x"), "seed must be a whole number"),
 }  # fmt: skip
