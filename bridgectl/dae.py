@@ -204,7 +204,7 @@ class RampSurface:
         Warns
         -----
         PlausibilityWarning
-            If a road is too steep to be driven, as of elevations in mm.
+            If a road is too rough to be driven, as of elevations in mm, or has a grade.
         UserWarning
             As `ramps`.
 

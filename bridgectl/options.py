@@ -268,9 +268,9 @@ def numbers(option: str, text: str, kind: type, look: str = "") -> list[Any]:
     try:
         return [kind(part) for part in text.split(",")]
     except ValueError:
-        shown = f", as {look}" if look else ""
+        remedy = f": type {look}" if look else ""
         raise ValueError(
-            f"{option} must be numbers separated by commas{shown}, got {text!r}"
+            f"{option} must be numbers separated by commas, got {text!r}{remedy}"
         ) from None
 
 

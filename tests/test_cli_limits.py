@@ -16,7 +16,7 @@ QUICK = ["dae", "--approach", "10", "--speeds", "80"]
         (["--approach", "inf"], "--approach must be 0 m or more, got inf"),
         (["--units", "mm"], "--units is about a road file, and none is given: name the file"),
         (["--track", "0"], "--track is about a road file"),
-        (["--speeds", "60-120"], "--speeds must be numbers separated by commas, as 50:150:1 or 80"),
+        (["--speeds", "60-120"], "by commas, got '60-120': type 50:150:1 or 80,90,100"),
         (["--span", "25.5"], "span must be one of 9, 11, "),
         (["--speeds", "0.001"], "--speeds must be 1 to 1000 km/h, got '0.001'"),
         (["--speeds", "1e9"], "--speeds must be 1 to 1000 km/h"),

@@ -68,7 +68,7 @@ class Stations:
             way_out += f" or place_bridge({first - start:.10g} to {last - stop:.10g})"
         elif first < stop <= last:
             way_out += f" or {argument}={first if argument == 'start' else -first:.10g}"
-        elif self.covers(start / 1e3, stop / 1e3):
+        elif 10 * (last - first) < stop - start and self.covers(start / 1e3, stop / 1e3):
             way_out = "for stations in km type RoadProfile(1000 * x, elevation)"
         raise ValueError(
             f"the road covers {self._range()} but {what} needs {start:.10g} m to {stop:.10g} m "
