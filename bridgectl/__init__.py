@@ -23,6 +23,7 @@ array([0.89 , 1.007, 1.039])
 """
 
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -119,6 +120,6 @@ def __getattr__(name: str) -> Any:
     if home is not None:
         globals()[name] = found = getattr(import_module(f"bridgectl.{home}"), name)
         return found
-    if name in _ROOMS:
+    if not name.startswith("__") and find_spec(f"bridgectl.{name}"):
         return import_module(f"bridgectl.{name}")
     raise AttributeError(f"module 'bridgectl' has no attribute {name!r}")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator, Set
+from difflib import get_close_matches
 from numbers import Real
 from typing import Any
 
@@ -60,7 +62,9 @@ def fraction(name: str, value: Any, length: float | None = None) -> float:
 def integer(name: str, value: Any, *, at_least: int) -> int:
     """Return `value` as an int of at least `at_least`."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise TypeError(f"{name} must be a whole number, got {_short(value)}{_hint(value)}")
+        whole = isinstance(value, float | np.floating) and float(value).is_integer()
+        remedy = f": type {value:.0f}" if whole else _hint(value)
+        raise TypeError(f"{name} must be a whole number, got {_short(value)}{remedy}")
     if value < at_least:
         raise ValueError(f"{name} must be {at_least} or more, got {value}")
     return int(value)
@@ -84,7 +88,12 @@ def array(
         want is not None and want != got for want, got in zip(shape, result.shape, strict=True)
     ):
         shown = "(" + ", ".join(map(str, expected)) + ("," if len(expected) == 1 else "") + ")"
-        raise ValueError(f"{name} must have shape {shown}, got {result.shape}")
+        remedy = f": type [{result:g}]" if result.ndim == 0 and len(shape) == 1 else ""
+        if result.ndim > len(shape) == 1:
+            remedy = f": type numpy.ravel({name})"
+        if result.ndim == 1 and len(shape) == 2:
+            remedy = f": of a diagonal one type numpy.diag({name})"
+        raise ValueError(f"{name} must have shape {shown}, got {result.shape}{remedy}")
     finite(name, result, unit=unit)
     result.flags.writeable = False
     return result
@@ -98,10 +107,21 @@ def floats(name: str, value: ArrayLike, *, unit: str = "") -> FloatArray:
     except ValueError as error:  # rows of different lengths
         raise TypeError(f"{name} must be an array of numbers{_in(unit)}: {error}") from None
     if given.dtype.kind not in "iuf" and given.size > 0:
+        remedy = _hint(value)
+        if not remedy and given.dtype.kind in "OU" and given.size > 1 and _of_numbers(given):
+            remedy = f": type numpy.array({name}, dtype=float)"
         raise TypeError(
-            f"{name} must be an array of numbers{_in(unit)}, got {_short(value)}{_hint(value)}"
+            f"{name} must be an array of numbers{_in(unit)}, got {_short(value)}{remedy}"
         )
     return np.array(given, dtype=np.float64)
+
+
+def _of_numbers(given: NDArray[Any]) -> bool:
+    """Tell whether strings or objects can be meant as numbers."""
+    try:
+        return bool(np.isfinite(given.astype(np.float64)).all())
+    except (TypeError, ValueError):
+        return False
 
 
 def finite(name: str, values: FloatArray, *, unit: str = "") -> None:
@@ -148,8 +168,20 @@ def choice(name: str, value: Any, allowed: tuple[str, ...]) -> str:
     """Return `value` if it is one of the allowed words."""
     if not isinstance(value, str) or value not in allowed:
         words = ", ".join(repr(word) for word in allowed)
-        raise ValueError(f"{name} must be one of {words}, got {_short(value)}")
+        folded = {word.lower(): word for word in allowed}
+        near = get_close_matches(str(value).lower(), folded, 1)
+        remedy = f": type {folded[near[0]]!r}" if near else ""
+        raise ValueError(f"{name} must be one of {words}, got {_short(value)}{remedy}")
     return str(value)
+
+
+def path(name: str, value: Any, example: str) -> str:
+    """Return the name of a file as text."""
+    if isinstance(value, str | os.PathLike) and isinstance(file := os.fspath(value), str):
+        return file
+    raise TypeError(
+        f'{name} must be a string or a Path, got {_short(value)}: type {name}="{example}"'
+    )
 
 
 def flag(name: str, value: Any) -> bool:
@@ -160,7 +192,9 @@ def flag(name: str, value: Any) -> bool:
 
 
 def _hint(value: Any) -> str:
-    """What to type for a number in quotes or brackets."""
+    """What to type for a number in quotes or brackets, and for what only looks like a list."""
+    if isinstance(value, Set | Iterator):
+        return ": type a list, as [20, 25]"
     bracketed = isinstance(value, list | tuple | np.ndarray) and np.size(value) == 1
     inner = np.ravel(value)[0] if bracketed else value
     if not isinstance(inner, str | Real):
@@ -175,7 +209,7 @@ def _hint(value: Any) -> str:
 
 
 def _short(value: Any) -> str:
-    text = repr(value)
+    text = " ".join(repr(value).split())
     return text if len(text) <= 60 else text[:57] + "..."
 
 

@@ -7,13 +7,7 @@ import numpy as np
 from bridgectl._checks import FloatArray
 from bridgectl._work import Given, Work, at_least, at_most, require_feasible
 from bridgectl.crossing import Crossing
-from bridgectl.propagator import (
-    MAX_BEAM_PHASE,
-    MAX_VEHICLE_PHASE,
-    MAX_WIDTH,
-    N_STAGES,
-    SAMPLES,
-)
+from bridgectl.propagator import N_STAGES, SAMPLES, cell_width, fastest_motion
 from bridgectl.simulation import BATCH_BYTES, Run
 
 # Measured on one core of 2020, of crossings of 10 states:
@@ -92,25 +86,28 @@ def require_surface(
     require_feasible(work, arguments, announced=method != "control")  # which has a progress bar
 
 
-def _arguments(crossing: Crossing, speeds: FloatArray) -> dict[str, Given]:
-    """What counts in every linear crossing."""
-    fastest = np.abs(np.linalg.eigvals(crossing.linear.state_matrix_on_tires())).max()
+def what_counts(crossing: Crossing, speeds: FloatArray) -> dict[str, Given]:
+    """What counts in every crossing."""
     return {
         "n_modes": at_most(crossing.beam.n_modes, 3),
         "speeds": at_most(speeds.size, 101, what="{value} speeds"),
         "slowest": at_least(float(speeds.min()), 5.0, "m/s", "a speed of {value}"),
+    }
+
+
+def _arguments(crossing: Crossing, speeds: FloatArray) -> dict[str, Given]:
+    """What counts in every linear crossing."""
+    return what_counts(crossing, speeds) | {
         "vehicle": at_most(
-            float(fastest), 500.0, "rad/s",
+            fastest_motion(crossing), 500.0, "rad/s",
             "the vehicle's fastest motion of {value} (by its stiffnesses, damping and masses)",
         ),
     }  # fmt: skip
 
 
 def _width(crossing: Crossing, n_modes: float, slowest: float, fastest: float) -> float:
-    """Width of the cells [m]: see `bridgectl.propagator.cell_nodes`."""
-    highest = crossing.beam.omega[0] * n_modes**2
-    phases = MAX_VEHICLE_PHASE / fastest, MAX_BEAM_PHASE / highest
-    return float(min(MAX_WIDTH, *(phase * slowest for phase in phases)))
+    """Width of the cells [m] for any number of modes."""
+    return cell_width(fastest, float(crossing.beam.omega[0]) * n_modes**2, slowest)
 
 
 def _map_bytes(crossing: Crossing, n_states: float) -> float:

@@ -61,11 +61,26 @@ STIFFER_SPRING = 6.0
 SUSPENSION_DAMPING = (1e-3, 4.0)
 """Damping ratios of a body on its suspension that are not 0, with room."""
 
+STEEL_WHEEL = 1e8
+"""Stiffness [N/m] above which a tire is the contact of a wheel with its rail, or a rigid one."""
+
+STIFFEST_WHEEL = 8e3
+"""How many times stiffer than the suspension such a contact is at most."""
+
+LIGHTEST_AXLE, SOFTEST_TIRE = 10.0, 1e4
+"""Axles lighter [kg] have their mass in tonnes, tires softer [N/m] their stiffness in kN/m."""
+
+FIRMEST = 50.0
+"""Largest damping of a damper over the suspension's critical damping."""
+
 SLOWEST_SAMPLE, SLOWEST_LAG, WEAKEST, NOISIEST = 0.1, 2.0, 100.0, 1.0
 """A damper's sample time [s], lag [s], force limit [N] and noise [m/s] that are no use any more."""
 
-ROUGHEST = 0.1
-"""Largest rms slope of a road about its grade [m/m]: class H has 0.05."""
+ROUGHEST = 0.35
+"""Largest rms slope of a road about its grade [m/m]: class G has 0.29 at steps of 0.1 m."""
+
+STEEPEST = 0.01
+"""Largest grade [m/m] on which a vehicle may start as if the road before it were level."""
 
 SMOOTHEST = 1e-8
 """Least G_d(n_0) of a road [m^3]: a new runway has 1e-6, class E in m read as mm 4e-9."""
@@ -103,7 +118,7 @@ def judge_crossing(
 
 
 def judge_roads(*roads: RoadProfile | None) -> None:
-    """Warn of roads that are too steep to be driven."""
+    """Warn of roads that are too rough to be driven, or have a grade."""
     _tell(chain.from_iterable(_road_doubts(road) for road in roads if road is not None))
 
 
@@ -113,7 +128,7 @@ def judge_damper(damper: Damper) -> None:
 
 
 def judge_range(car: QuarterCar, *dampers: Damper) -> None:
-    """Warn of dampings that are nothing beside what a vehicle needs."""
+    """Warn of dampings that are nothing, or all, beside what a vehicle needs."""
     _tell(chain.from_iterable(_range_doubts(car, damper) for damper in dampers))
 
 
@@ -154,9 +169,11 @@ def _beam_doubts(beam: Beam) -> Iterator[str]:
     )
     lightest, heaviest = DECK_MASS
     if not 1.0 <= length <= LONGEST_SPAN:
+        in_mm = LONGEST_SPAN < length < 1e3 * LONGEST_SPAN
+        remedy = f"for {length:g} mm type length={length / 1e3:g}, else " if in_mm else ""
         yield (
-            f"length = {length:g} m is no span of a bridge: check the order of the arguments, "
-            f"which are {given}"
+            f"length = {length:g} m is no span of a bridge: {remedy}check the order of the "
+            f"arguments, which are {given}"
         )
     if mass < lightest:
         yield (
@@ -171,10 +188,10 @@ def _beam_doubts(beam: Beam) -> Iterator[str]:
         )
     usual, found = 82 * length**-0.9, float(beam.frequencies[0])
     if not usual / SCATTER <= found <= usual * SCATTER:
+        remedy = _beam_remedy(beam, found / usual)
         yield (
             f"the first frequency of the beam is {found:.3g} Hz; bridges of {length:g} m have "
-            f"{usual / SCATTER:.2g} to {usual * SCATTER:.2g} Hz: {_rigidity_remedy(beam, usual)}; "
-            f"given were {given}"
+            f"{usual / SCATTER:.2g} to {usual * SCATTER:.2g} Hz: {remedy}; given were {given}"
         )
     ratio = float(beam.damping_ratios[0])
     if ratio > MOST_DAMPED:
@@ -184,19 +201,37 @@ def _beam_doubts(beam: Beam) -> Iterator[str]:
         )
 
 
-def _rigidity_remedy(beam: Beam, usual: float) -> str:
-    """What E J may be instead, in N m^2, for the usual frequency."""
-    rigidity = beam.flexural_rigidity
-    wanted = rigidity * (usual / float(beam.frequencies[0])) ** 2
-    slips = {
-        1e3: f"for {rigidity:g} kN m^2 type flexural_rigidity={rigidity * 1e3:g}",
-        1e6: f"for {rigidity:g} MN m^2 type flexural_rigidity={rigidity * 1e6:g}",
-        1e9: f"for E in GPa type flexural_rigidity={rigidity * 1e9:g}",
-        3.5e10: f"if it is J [m^4] alone type flexural_rigidity=E*{rigidity:g}, with E [N/m^2]",
-    }
-    nearest = min(slips, key=lambda factor: abs(np.log(factor * rigidity / wanted)))
-    near = abs(np.log(nearest * rigidity / wanted)) < np.log(SCATTER**2)
-    return slips[nearest] if near else "flexural_rigidity is E [N/m^2] times J [m^4]"
+# Argument, factor to its own unit, and what to type: value is what was given, right what it means.
+_BEAM_SLIPS = (
+    ("flexural_rigidity", 1e3, "for {value:g} kN m^2 type flexural_rigidity={right:g}"),
+    ("flexural_rigidity", 1e6, "for {value:g} MN m^2 type flexural_rigidity={right:g}"),
+    ("flexural_rigidity", 1e9, "for E in GPa type flexural_rigidity={right:g}"),
+    (
+        "flexural_rigidity", 3.5e10,
+        "if it is J [m^4] alone type flexural_rigidity=E*{value:g}, with E [N/m^2]",
+    ),
+    ("flexural_rigidity", 1e-8, "for J in cm^4 type flexural_rigidity={right:g}"),
+    ("flexural_rigidity", 1e-12, "for J in mm^4 type flexural_rigidity={right:g}"),
+    ("mass_per_length", 1e3 / 9.81, "for {value:g} kN/m type mass_per_length={right:.5g}"),
+    ("length", 1e-2, "for {value:g} cm type length={right:g}"),
+)  # fmt: skip
+
+# How f_1 over the usual one, 82 L^-0.9, goes with each argument.
+_POWERS = {"flexural_rigidity": 0.5, "mass_per_length": -0.5, "length": -1.1}
+
+
+def _beam_remedy(beam: Beam, ratio: float) -> str:
+    """The slip that explains best a first frequency of `ratio` times the usual one."""
+
+    def unexplained(name: str, factor: float) -> float:
+        return abs(float(np.log(ratio) + _POWERS[name] * np.log(factor)))
+
+    possible = [slip for slip in _BEAM_SLIPS if slip[0] != "length" or beam.length > 300]
+    name, factor, text = min(possible, key=lambda slip: unexplained(*slip[:2]))
+    if unexplained(name, factor) >= np.log(SCATTER):
+        return "flexural_rigidity is E [N/m^2] times J [m^4]"
+    value = getattr(beam, name)
+    return text.format(value=value, right=value * factor)
 
 
 def _weight_doubts(vehicle: Vehicle) -> Iterator[str]:
@@ -211,14 +246,16 @@ def _quarter_car_doubts(car: QuarterCar) -> Iterator[str]:
     body, axle = car.sprung_mass, car.unsprung_mass
     spring, tire, damping = car.suspension_stiffness, car.tire_stiffness, car.damping
     if body < axle:
+        in_t = f"for {body:g} t type sprung_mass={1000 * body:g}"
         yield (
             f"sprung_mass = {body:g} kg (the body) is lighter than unsprung_mass = {axle:g} kg "
-            f"(the axle): for {body:g} t type sprung_mass={1000 * body:g}, or exchange the two"
+            f"(the axle): {in_t if body < LIGHTEST_VEHICLE else 'exchange the two'}"
         )
     if spring > STIFFER_SPRING * tire:
+        in_kn = f"for {tire:g} kN/m type tire_stiffness={1000 * tire:g}"
         yield (
             f"suspension_stiffness = {spring:g} N/m is far stiffer than tire_stiffness = {tire:g} "
-            f"N/m: exchange the two, or for {tire:g} kN/m type tire_stiffness={1000 * tire:g}"
+            f"N/m: {in_kn if tire < SOFTEST_TIRE else 'exchange the two'}"
         )
     both = float(np.sqrt(1 / (1 / spring + 1 / tire) / body) / (2 * np.pi))
     if not BODY[0] <= both <= BODY[1]:
@@ -228,11 +265,15 @@ def _quarter_car_doubts(car: QuarterCar) -> Iterator[str]:
             f"kN/m type suspension_stiffness={1000 * spring:g}"
         )
     hop = float(np.sqrt((spring + tire) / axle) / (2 * np.pi))
-    if not HOP[0] <= hop <= HOP[1]:
+    rail = STEEL_WHEEL <= tire <= STIFFEST_WHEEL * spring
+    if not (HOP[0] <= hop <= HOP[1] or rail):
+        remedy = f"for {tire:g} kN/m type tire_stiffness={1000 * tire:g}"
+        if hop > HOP[1]:
+            in_t = f"for {axle:g} t type unsprung_mass={1000 * axle:g}"
+            remedy = in_t if axle < LIGHTEST_AXLE else "tires have 1e5 to 1e7 N/m"
         yield (
             f"the axle moves at {hop:.3g} Hz, vehicles' at {HOP[0]:g} to {HOP[1]:g} Hz: check "
-            f"unsprung_mass = {axle:g} kg and tire_stiffness = {tire:g} N/m; for {axle:g} t type "
-            f"unsprung_mass={1000 * axle:g}, for {tire:g} kN/m tire_stiffness={1000 * tire:g}"
+            f"unsprung_mass = {axle:g} kg and tire_stiffness = {tire:g} N/m; {remedy}"
         )
     critical = 2 * float(np.sqrt(spring * body))
     if damping > 0 and not SUSPENSION_DAMPING[0] <= damping / critical <= SUSPENSION_DAMPING[1]:
@@ -264,11 +305,15 @@ def _damper_doubts(damper: Damper) -> Iterator[str]:
 def _range_doubts(car: QuarterCar, damper: Damper) -> Iterator[str]:
     largest = damper.strategy.c_max
     critical = 2 * float(np.sqrt(car.suspension_stiffness * car.sprung_mass))
+    judged, remedy = "", ""
     if 0 < largest < SUSPENSION_DAMPING[0] * critical:
+        judged, remedy = "nothing", f"for {largest:g} kN s/m type {1000 * largest:g}"
+    if largest > FIRMEST * critical:
+        judged, remedy = "a rigid link", f"pass N s/m, as {critical:.2g}"
+    if judged:
         yield (
-            f"damper {damper.strategy.name!r} of at most {largest:g} N s/m is nothing beside the "
-            f"suspension's critical damping, {critical:.3g} N s/m: for {largest:g} kN s/m type "
-            f"{1000 * largest:g}"
+            f"damper {damper.strategy.name!r} of at most {largest:g} N s/m is {judged} beside the "
+            f"suspension's critical damping, {critical:.3g} N s/m: {remedy}"
         )
 
 
@@ -294,10 +339,15 @@ def _load_doubts(crossing: Crossing) -> Iterator[str]:
 def _road_doubts(road: RoadProfile) -> Iterator[str]:
     steps = np.diff(road.x)
     slopes = np.diff(road.elevation) / steps
-    about = slopes - np.average(slopes, weights=steps)
-    rms = float(np.sqrt(np.average(about**2, weights=steps)))
+    grade = float(np.average(slopes, weights=steps))
+    rms = float(np.sqrt(np.average((slopes - grade) ** 2, weights=steps)))
     if rms > ROUGHEST:
         yield (
             f"the road's slope has an rms of {rms:.2g} m/m, more than any road: are its elevations "
             "in mm (or another unit)? Type RoadProfile(x, elevation / 1000)"
+        )
+    if abs(grade) > max(STEEPEST, rms):
+        yield (
+            f"the road has a grade of {grade:.1%} and the vehicle starts as on a level one, which "
+            "is a kink: take the grade off, type road.detrend()"
         )

@@ -24,9 +24,9 @@ def warn(message: str, category: type[Warning] = UserWarning) -> None:
     """Warn with the line that called the package, however many functions lie between."""
     outside = (frame for frame in _frames() if not _in_package(frame))
     frame = next(outside, sys._getframe(1))
-    names = frame.f_globals
-    warnings.warn_explicit(
-        message, category, frame.f_code.co_filename, frame.f_lineno, names.get("__name__"),
+    names, file = frame.f_globals, frame.f_code.co_filename
+    warnings.warn_explicit(  # of code without a name, as exec() runs it, Python would tell nothing
+        message, category, file, frame.f_lineno, names.get("__name__", file),
         names.setdefault("__warningregistry__", {}),
     )  # fmt: skip
 

@@ -111,18 +111,15 @@ def _advice(estimate: Callable[..., Work], arguments: Mapping[str, Given]) -> st
     given = arguments[name]
     text = f"the cause is {given.told(name, given.value)}"
     low, high = given.harmless, given.value
-    if (
-        not _evaluate(estimate, arguments, **{name: low}).share
-        <= 1
-        < _evaluate(estimate, arguments).share
-    ):
+
+    def too_much(value: float) -> bool:
+        return _evaluate(estimate, arguments, **{name: value}).share > 1
+
+    if too_much(low) or not too_much(high):
         return f"{text}: change it, or ask for less at once"
     for _ in range(40):  # between the two, in equal ratios
         middle = float(np.sign(high) * np.sqrt(abs(low * high)))
-        if _evaluate(estimate, arguments, **{name: middle}).share > 1:
-            high = middle
-        else:
-            low = middle
+        low, high = (low, middle) if too_much(middle) else (middle, high)
     return f"{text}; {given.told(name, _rounded(low, given.harmless))} would do"
 
 

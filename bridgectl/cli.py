@@ -22,6 +22,7 @@ from bridgectl.options import (
     add_validation_options,
     add_vehicle_options,
     as_number,
+    as_options,
     check_plot,
     check_ramps,
     file_arguments,
@@ -30,6 +31,7 @@ from bridgectl.options import (
     numbers,
     parse_speeds,
     place_road,
+    refuse_file_options,
     save_figure,
     tell_drawn,
     working,
@@ -200,7 +202,7 @@ def _show_each_once() -> Callable[..., None]:
     def show(message: Warning | str, *_: Any, **__: Any) -> None:
         if str(message) not in told:
             told.add(str(message))
-            _tell("warning", message)
+            _tell("warning", as_options(str(message)))
 
     return show
 
@@ -276,6 +278,7 @@ def _road(args: argparse.Namespace, span: float) -> tuple[bc.RoadProfile, float]
     """The road under approach and bridge, in ramps, and the station of the bridge."""
     check_ramps("--approach", args.approach)
     if args.file is None:
+        refuse_file_options(args)
         return place_road(args, bc.utia_road(), "that comes with the program", span)
     whole = bc.read_profile(args.file, track=args.track, **file_arguments(args))
     return place_road(args, whole, args.file, span)
@@ -286,6 +289,7 @@ def _run_profile(args: argparse.Namespace) -> None:
 
     check_plot(args.plot)
     if args.file is None:
+        refuse_file_options(args)
         roads = [bc.utia_road()]
     elif args.track is not None:
         roads = [bc.read_profile(args.file, track=args.track, **file_arguments(args))]

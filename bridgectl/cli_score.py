@@ -28,6 +28,7 @@ from bridgectl.options import (
     make_vehicle,
     parse_speeds,
     place_road,
+    refuse_file_options,
     save_figure,
     tell_drawn,
     working,
@@ -225,6 +226,7 @@ def _roads(args: argparse.Namespace, span: float) -> list[bc.RoadProfile]:
     if args.roads:
         roads = [_file_road(args, path, span) for path in _different(args.roads)]
     else:
+        refuse_file_options(args)
         whole = bc.utia_road()
         station = max(STATION, float(whole.x[0]) + args.approach)
         road, _ = place_road(

@@ -144,7 +144,8 @@ class RampSurface:
         if elevations.ndim not in (1, 2) or elevations.shape[-1] != len(self.positions) + 1:
             raise ValueError(
                 f"roads must have elevations at the {len(self.positions) + 1} stations of the "
-                f"surface, shape (n_roads, {len(self.positions) + 1}), got {elevations.shape}"
+                f"surface, shape (n_roads, {len(self.positions) + 1}), got {elevations.shape}: "
+                "type RoadProfile(x, elevation)"
             )
         scales = elevations[..., :-1] - elevations[..., 1:]
         scales /= self.ramp_height
@@ -203,7 +204,7 @@ class RampSurface:
         Warns
         -----
         PlausibilityWarning
-            If a road is too steep to be driven, as of elevations in mm.
+            If a road is too rough to be driven, as of elevations in mm, or has a grade.
         UserWarning
             As `ramps`.
 
@@ -246,12 +247,15 @@ class RampSurface:
 
         Warns
         -----
+        PlausibilityWarning
+            As `dae`.
         UserWarning
             As `ramps`.
         """
         scales = self.ramps(road)
         if scales.ndim != 1:
             raise ValueError(f"road must be one road, got {len(scales)}: take one at a time")
+        judge_roads(*_profiles(road))
         return np.asarray(self.daf_difference * scales)
 
     @on_one_thread

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import io
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,12 @@ if TYPE_CHECKING:
 
 SPEEDS_KMH = (1.0, 1000.0)
 """Speeds that make sense [km/h]: a crawling vehicle needs cells, and memory, without end."""
+
+
+VEHICLE = "sprung_mass", "unsprung_mass", "suspension_stiffness", "tire_stiffness", "damping"
+"""Parameters of the quarter-car, each an option."""
+
+SPEEDS_LOOK = "50:150:1 or 80,90,100"
 
 
 def add_file_options(parser: argparse.ArgumentParser, *, many: bool = False) -> None:
@@ -53,6 +60,15 @@ def add_file_options(parser: argparse.ArgumentParser, *, many: bool = False) -> 
     file.add_argument(
         "--track", metavar="NAME", help="which elevations of several, by label or number from 0"
     )
+
+
+def refuse_file_options(args: argparse.Namespace) -> None:
+    """Refuse what tells how a file is read where there is none: it would count for nothing."""
+    for name, value in (file_arguments(args) | {"track": args.track}).items():
+        if value is not None:
+            raise ValueError(
+                f"--{name.replace('_', '-')} is about a road file, and none is given: name the file"
+            )
 
 
 def file_arguments(args: argparse.Namespace) -> dict[str, Any]:
@@ -107,7 +123,7 @@ def _add_speeds(parser: argparse.ArgumentParser, default: str) -> None:
 def add_bridge_options(parser: argparse.ArgumentParser) -> None:
     """Add the bridge and how its moment is found."""
     bridge = parser.add_argument_group("bridge (Li's thesis, 2006; default the paper's 25 m)")
-    bridge.add_argument("--span", type=as_whole, default=25, metavar="M", help="odd, 9 to 43 [m]")
+    bridge.add_argument("--span", type=as_number, default=25, metavar="M", help="odd, 9 to 43 [m]")
     bridge.add_argument("--deck", help="solid, Y or super-Y, for spans that have several")
     bridge.add_argument("--modes", type=as_whole, default=3, metavar="N", help="number (default 3)")
     bridge.add_argument(
@@ -128,9 +144,7 @@ def add_vehicle_options(parser: argparse.ArgumentParser) -> None:
     vehicle = parser.add_argument_group("quarter-car (default the paper's truck)")
     truck = bc.li2006.car()
     units = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m"}
-    for name in (
-        "sprung_mass", "unsprung_mass", "suspension_stiffness", "tire_stiffness", "damping",
-    ):  # fmt: skip
+    for name in VEHICLE:
         unit, default = units[name.rpartition("_")[2]], getattr(truck, name)
         vehicle.add_argument(
             f"--{name.replace('_', '-')}", type=as_number, default=default, metavar="X",
@@ -153,13 +167,7 @@ def make_beam(args: argparse.Namespace) -> bc.Beam:
 
 def make_vehicle(args: argparse.Namespace) -> bc.QuarterCar:
     """Make the quarter-car of the vehicle options."""
-    return bc.QuarterCar(
-        args.sprung_mass,
-        args.unsprung_mass,
-        args.suspension_stiffness,
-        args.tire_stiffness,
-        args.damping,
-    )
+    return bc.QuarterCar(*(getattr(args, name) for name in VEHICLE))
 
 
 def place_road(
@@ -235,11 +243,11 @@ def tell_drawn(path: Path | None) -> None:
 def parse_speeds(text: str) -> FloatArray:
     """Speeds [km/h] from 'A:B:D' or 'A,B,C'."""
     if ":" not in text:
-        speeds = np.array(numbers("--speeds", text, float))
+        speeds = np.array(numbers("--speeds", text, float, SPEEDS_LOOK))
     else:
         parts = text.split(":")
         if len(parts) != 3:
-            raise ValueError(f"--speeds must look like 50:150:1 or 80,90,100, got {text!r}")
+            raise ValueError(f"--speeds must look like {SPEEDS_LOOK}, got {text!r}")
         first, last, step = numbers("--speeds", ",".join(parts), float)
         if not (0 < first <= last and step > 0 and np.isfinite([first, last, step]).all()):
             raise ValueError(f"--speeds must rise from above 0 km/h, as 50:150:1, got {text!r}")
@@ -255,12 +263,23 @@ def parse_speeds(text: str) -> FloatArray:
     return np.unique(speeds)
 
 
-def numbers(option: str, text: str, kind: type) -> list[Any]:
+def numbers(option: str, text: str, kind: type, look: str = "") -> list[Any]:
     """Numbers separated by commas."""
     try:
         return [kind(part) for part in text.split(",")]
     except ValueError:
-        raise ValueError(f"{option} must be numbers separated by commas, got {text!r}") from None
+        remedy = f": type {look}" if look else ""
+        raise ValueError(
+            f"{option} must be numbers separated by commas, got {text!r}{remedy}"
+        ) from None
+
+
+def as_options(advice: str) -> str:
+    """Advice to type an argument of the library, for the command line."""
+    names = "|".join((*VEHICLE, "damping_ratio"))
+    return re.sub(
+        rf"\btype ({names})=", lambda found: f"type --{found[1].replace('_', '-')} ", advice
+    )
 
 
 def as_number(text: str) -> float:

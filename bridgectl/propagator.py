@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
+from bridgectl._work import MOST_CELLS
 from bridgectl.crossing import Crossing
 
 N_STAGES = 3
@@ -50,9 +51,6 @@ MAX_WIDTH = 0.1
 # mode. Moments are then within 1e-7 of their converged values (tests/test_propagator.py).
 MAX_VEHICLE_PHASE = 0.4
 MAX_BEAM_PHASE = 1.7
-
-MAX_CELLS = 400_000
-"""Most cells of a crossing: beyond, a parameter is off, and memory would run out."""
 
 SAME_PLACE = 1e-9
 """Stations closer than this [m] are one: below any road's resolution, above round-off."""
@@ -180,21 +178,30 @@ def kink_positions(
     return merge_places(np.concatenate([[start], kinks[inside], [end]]))
 
 
+def fastest_motion(crossing: Crossing) -> float:
+    """Fastest motion of the vehicle on a rigid road [rad/s]."""
+    return float(np.abs(np.linalg.eigvals(crossing.linear.state_matrix_on_tires())).max())
+
+
+def cell_width(vehicle: float, beam: float, speed: float) -> float:
+    """Width of cells [m] that are short for motions of vehicle and beam [rad/s] at a speed."""
+    return min(MAX_WIDTH, MAX_VEHICLE_PHASE / vehicle * speed, MAX_BEAM_PHASE / beam * speed)
+
+
 def cell_nodes(crossing: Crossing, speed: float, kinks: FloatArray, refine: int = 1) -> FloatArray:
     """Place the nodes of the cells: at the kinks, and between them where cells are too long.
 
     Cells are short enough for the fastest motions at `speed`, the slowest of a batch;
     `refine` cuts each into as many again.
     """
-    fastest = np.abs(np.linalg.eigvals(crossing.linear.state_matrix_on_tires())).max()
-    phases = [MAX_VEHICLE_PHASE / fastest, MAX_BEAM_PHASE / crossing.beam.omega[-1]]
-    width = min(MAX_WIDTH, *(phase * speed for phase in phases))
+    fastest, highest = fastest_motion(crossing), float(crossing.beam.omega[-1])
+    width = cell_width(fastest, highest, speed)
     pieces = refine * np.ceil(np.diff(kinks) / width - SAME_PLACE)
-    if pieces.sum() > MAX_CELLS:
+    if pieces.sum() > MOST_CELLS:
         raise ValueError(
             f"the crossing at {speed:g} m/s needs {pieces.sum():.3g} cells of {width:.2g} m, more "
-            f"than {MAX_CELLS}: the vehicle's fastest motion is at {fastest:.3g} rad/s (check "
-            f"stiffnesses, damping and masses), the beam's at {crossing.beam.omega[-1]:.3g} rad/s "
+            f"than {MOST_CELLS:.0f}: the vehicle's fastest motion is at {fastest:.3g} rad/s (check "
+            f"stiffnesses, damping and masses), the beam's at {highest:.3g} rad/s "
             "(type a smaller n_modes)"
         )
     pieces = pieces.astype(int)

@@ -118,8 +118,8 @@ def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -
 
     Raises
     ------
-    ValueError
-        If there is no vehicle, or not one offset for each.
+    TypeError, ValueError
+        If there is no vehicle, or not one offset for each, of 0 m or more.
 
     Examples
     --------
@@ -127,10 +127,19 @@ def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -
     >>> bc.convoy([bc.li2006.car(), bc.li2006.car()], [0, 5])
     Vehicle(4 coordinates, mass=20000 kg, tires at [0, 5] m behind the first, 2 dampers)
     """
+    if not isinstance(vehicles, Sequence) or not all(
+        isinstance(vehicle, Vehicle | QuarterCar) for vehicle in vehicles
+    ):
+        raise TypeError("vehicles must be a list of Vehicle or QuarterCar: type [front, rear]")
     members = [vehicle.linear for vehicle in vehicles]
     if not members:
         raise ValueError("vehicles must hold at least one vehicle")
     behind = _checks.array("offsets", offsets, (len(members),), unit="m")
+    if behind.min() < 0:
+        raise ValueError(
+            f"offsets must be distances behind the first vehicle, 0 m or more, got {offsets}: "
+            f"type {(behind - behind.min()).tolist()}, or the vehicles in the order they drive in"
+        )
     return Vehicle(
         mass_matrix=block_diag(*(car.mass_matrix for car in members)),
         damping_matrix=block_diag(*(car.damping_matrix for car in members)),

@@ -247,7 +247,7 @@ def _study(
     n_pieces = int(np.ceil((before + beam.length + after) / RAMP_LENGTH - SAME_PLACE))
     stations = -before + RAMP_LENGTH * np.arange(n_pieces + 1)
     for i, road in enumerate(roads, 1):
-        road.require(-before, beam.length + after, f"the crossing, of road {i},")
+        road.require(-before, beam.length + after, f"the crossing, of road {i},", "approach")
         warn_if_coarse(road, "dynamic amplification")
     elevations = np.array([np.interp(stations, road.x, road.elevation) for road in roads])
     elevations -= elevations[:, :1]

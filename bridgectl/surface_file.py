@@ -99,7 +99,7 @@ def save_surface(surface: RampSurface, path: str | os.PathLike[str]) -> None:
     array([ True])
     """
     require_surface(surface)
-    file = os.fsdecode(path)
+    file = _checks.path("path", path, "surface.npz")
     if Path(file).suffix.lower() != ".npz":
         raise ValueError(f"path must end in .npz, got {file!r}: type path='surface.npz'")
     found = dict(leaves(surface))
@@ -168,7 +168,7 @@ def load_surface(
     RampSurface(1 speeds from 110 to 110 km/h, 250 ramps of 1 mm over 100 mm
     from x = 0 m to 25 m, recovery='exact')
     """
-    file = os.fsdecode(path)
+    file = _checks.path("path", path, "surface.npz")
     expected = checked_expectations(
         _CLASSES["RampSurface"], beam=beam, vehicle=vehicle, section=section, recovery=recovery,
         approach=approach, speeds=speeds, **others,

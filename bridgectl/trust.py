@@ -116,6 +116,11 @@ def dae_trust(surface: RampSurface, roads: Roads, *, tolerance: float = TOLERANC
 IRI up to 2.31 m/km)
     """
     limit = check.positive("tolerance", tolerance)
+    if not isinstance(surface, RampSurface):
+        raise TypeError(
+            f"surface must be a bridgectl.RampSurface, got {type(surface).__name__}: type "
+            "bridgectl.ramp_surface(beam, vehicle, speeds), and the road after it"
+        )
     scales = surface.ramps(roads)
     drops = np.atleast_2d(scales) * surface.ramp_height
     rises, lifted = [], []

@@ -91,6 +91,10 @@ def test_the_reference_trucks_and_bridges_pass():
         (5250, 900, 6e6, 1.75e6, 10e3),  # an axle of VBI-2D's truck
         (4500, 650, 1e6, 3.5e6, 40e3),  # leaf springs
         (1100, 1000, 1e6, 2e6, 20e3),  # an empty trailer
+        (21e3, 1800, 1.2e6, 1.6e9, 60e3),  # a railway carriage on steel wheels
+        (5750, 1, 1.595e6, 1e10, 0.0),  # the sprung mass of textbooks
+        (180, 20, 15e3, 150e3, 1e3),  # a motorcycle
+        (60e3, 4e3, 2e6, 8e6, 1e5),  # a crane
     ],
 )
 def test_vehicles_of_other_kinds_pass(car):
@@ -165,6 +169,7 @@ ENTRIES = {
     "crossing_response, lift-off": lambda b, c: bc.crossing_response(b, c, 10, JUMP, start=-10),
     "Damper": lambda b, c: Damper(passive(7e3), sample_time=2),
     "daf, damper in kN": lambda b, c: bc.daf(b, c, 20, damper=passive(7)),
+    "daf, damper in mN": lambda b, c: bc.daf(b, c, 20, damper=passive(3e6)),
     "crossing_response, damper in kN": lambda b, c: bc.crossing_response(
         b, c, 20, damper=skyhook(1, 30)
     ),
@@ -178,6 +183,7 @@ ENTRIES = {
         [passive(7), skyhook(1, 30)], b, c, [ROAD], 20, approach=10, workers=1
     ),
     "dae, road in mm": lambda b, c: SURFACE.dae([ALMOST_FLAT, STEEP]),
+    "contributions, road in mm": lambda b, c: SURFACE.contributions(STEEP),
     "footprint": lambda b, c: tire_footprint(JUMP, 0.2),
     "weighting": lambda b, c: weighted_rms(np.ones(50), 0.05),
     "measures": lambda b, c: bc.measures.road_stress_factor(np.zeros(9), 98100.0),
@@ -192,6 +198,30 @@ def test_each_slip_is_told_once_with_the_callers_line(told, bridge, truck, entry
     assert told[0].filename == __file__
     first = call.__code__.co_firstlineno
     assert first <= told[0].lineno <= first + 3
+
+
+@pytest.mark.parametrize("iso_class", "ABCDEF")
+@pytest.mark.parametrize("grade", [0.0, 0.005])
+def test_roads_of_every_class_and_above_the_sea_pass(told, bridge, iso_class, grade):
+    road = bc.iso8608_profile(iso_class, 85, seed=1, start=-60)
+    SURFACE.dae(bc.RoadProfile(road.x, road.elevation + grade * road.x + 500))
+    assert not [each for each in told if each.category is bc.PlausibilityWarning]
+
+
+@pytest.mark.parametrize("grade", [0.05, -0.05])
+def test_a_grade_is_told_and_gone_when_taken_off(told, bridge, truck, grade):
+    road = bc.iso8608_profile("A", 85, seed=1, start=-60)
+    steep = bc.RoadProfile(road.x, road.elevation + grade * road.x)
+    bc.daf(bridge, truck, 25, steep, start=-60)
+    assert [f"grade of {grade:.1%}" in str(each.message) for each in told] == [True]
+    bc.daf(bridge, truck, 25, steep.detrend(), start=-60)
+    assert len(told) == 1
+
+
+@pytest.mark.parametrize("names", [{}, {"__name__": "__main__"}])
+def test_code_that_is_run_as_text_is_told_too(told, names):
+    exec(compile("\nbc.QuarterCar(9, 1, 80, 1800, 7)", "cell 1", "exec"), {"bc": bc} | names)
+    assert [(each.filename, each.lineno) for each in told] == [("cell 1", 2)]
 
 
 def test_one_class_silences_them_all_and_nothing_else(bridge, truck):
@@ -226,7 +256,11 @@ def test_a_script_is_told_its_own_line(tmp_path):
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (["--sprung-mass", "9"], "sprung_mass = 9 kg (the body) is lighter than unsprung_mass"),
+        (
+            ["--sprung-mass", "9"],
+            "sprung_mass = 9 kg (the body) is lighter than unsprung_mass = 1000 kg (the axle): "
+            "for 9 t type --sprung-mass 9000",
+        ),
         (["--speeds", "300"], "--speeds of 83.33 m/s (300 km/h) is faster than any road vehicle"),
         (["--damping-ratio", "0.5"], "damping_ratio = 0.5 is 50 percent of critical"),
     ],

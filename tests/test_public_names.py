@@ -338,3 +338,11 @@ def test_tab_completion_lists_what_is_offered_and_nothing_else():
 def test_nothing_is_loaded_before_it_is_used():
     program = "import sys, bridgectl; assert not {'numpy', 'control'} & sys.modules.keys()"
     subprocess.run([sys.executable, "-c", program], check=True)
+
+
+def test_every_module_is_found_by_its_name_loaded_or_not():
+    program = (
+        "import bridgectl as b; assert b.surface.ramp_surface is b.ramp_surface; "
+        "assert b.response.daf is b.daf and b.road.iri and not hasattr(b, 'absent')"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)

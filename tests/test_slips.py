@@ -84,7 +84,11 @@ SPEEDS = [
     (-25, "speeds must be above 0 m/s"),
     (None, "speeds must be an array of numbers"),
     ([True], "speeds must be an array of numbers"),
-    ([[20, 25]], r"speeds must have shape \(n,\)"),
+    ([[20, 25]], r"speeds must have shape \(n,\).*type numpy.ravel\(speeds\)"),
+    (["20", "25"], r"speeds must be an array .*type numpy.array\(speeds, dtype=float\)"),
+    (np.array([20, None]), r"speeds must be an array of numbers \[m/s\], got .*dtype=object\)$"),
+    ({20, 25}, r"speeds must be an array .*type a list"),
+    (iter([20, 25]), r"speeds must be an array .*type a list"),
     (MASKED, r"speeds has 1 masked value.*index \(1,\).*type keep"),
     ([np.nan], "speeds must be finite"),
 ]
@@ -93,6 +97,8 @@ PROFILE = [
     (ROAD.elevation, "profile must be a bridgectl.RoadProfile, got ndarray: type RoadProfile"),
     ([ROAD], "profile must be a bridgectl.RoadProfile, got list.*one road at a time"),
     (ELSEWHERE, r"the road covers x from 990 m to 1025 m.*place_bridge\(1000"),
+    (bc.RoadProfile(ROAD.x / 1000, ROAD.elevation), "covers .* for stations in km type Road"),
+    (bc.RoadProfile(ROAD.x, 0.05 * ROAD.x), r"grade of 5.0%.*type road.detrend\(\)"),
     (IN_MM, "road's slope .* mm .*Type RoadProfile"),
 ]
 START = [
@@ -100,7 +106,12 @@ START = [
     ("-10", "start must be one number.*type -10, without quotes"),
     (-20, "the road covers x from -10 m .*start=-10"),
 ]
-EFFECT = [("moments", "effect must be one of 'moment'"), (None, "effect must be one of")]
+EFFECT = [
+    ("moments", "effect must be one of 'moment'.*: type 'moment'$"),
+    ("Moment", "effect must be one of .*: type 'moment'$"),
+    ("bending", "effect must be one of .*got 'bending'$"),
+    (None, "effect must be one of"),
+]
 METHOD = [("fast", "method must be one of 'propagator'"), (None, "method must be one of")]
 DAMPER = [
     (7e3, r"damper must be .*type bridgectl.dampers.passive\(7e3\)"),
@@ -114,12 +125,14 @@ PROGRESS = [("no", "progress must be True or False"), (None, "progress must be T
 SLIPS = {
     "Beam": {
         "length": slips_of_numbers(
-            "length", (25000, "length = 25000 m is no span.*order"), (0, "length must be above 0")
+            "length", (25000, "length = 25000 m is no span.*for 25000 mm type length=25.*order"),
+            (2500, "for 2500 cm type length=25;"), (0, "length must be above 0"),
         ),
         "mass_per_length": slips_of_numbers(
             "mass_per_length",
             (18.358, "mass_per_length = 18.358 .*for 18.358 t/m type mass_per_length=18358"),
             (458950, "mass_per_length = 458950 .*type mass_per_length=18358"),
+            (180, "for 180 kN/m type mass_per_length=18349"),
         ),
         "flexural_rigidity": slips_of_numbers(
             "flexural_rigidity",
@@ -128,10 +141,13 @@ SLIPS = {
             (48.65, r"for E in GPa type flexural_rigidity=4.865e\+10"),
             (1.39, r"if it is J .* alone type flexural_rigidity=E\*1.39"),
             (1e-6, r"flexural_rigidity is E \[N/m\^2\] times J"),
+            (4.865e18, r"for J in cm\^4 type flexural_rigidity=4.865e\+10"),
+            (4.865e22, r"for J in mm\^4 type flexural_rigidity=4.865e\+10"),
         ),
         "n_modes": [
             (0, "n_modes must be 1 or more"), ("3", "n_modes must be a whole.*without quotes"),
             (2.5, "n_modes must be a whole number"), (True, "n_modes must be a whole number"),
+            (3.0, "n_modes must be a whole number, got 3.0: type 3$"),
         ],
         "damping_ratio": [
             (2, "damping_ratio must be below 1.*for 2 percent type 0.02"),
@@ -144,7 +160,7 @@ SLIPS = {
     "QuarterCar": {
         "sprung_mass": slips_of_numbers(
             "sprung_mass", (9, "sprung_mass = 9 kg .*lighter.*for 9 t type sprung_mass=9000"),
-            (100, "sprung_mass = 100 kg .* exchange the two"),
+            (100, r"sprung_mass = 100 kg .* \(the axle\): exchange the two$"),
         ),
         "unsprung_mass": slips_of_numbers(
             "unsprung_mass", (1, "axle moves at 218 Hz.*for 1 t type unsprung_mass=1000")
@@ -155,7 +171,10 @@ SLIPS = {
             (80e6, "suspension_stiffness = .*far stiffer than tire_stiffness"),
         ),
         "tire_stiffness": slips_of_numbers(
-            "tire_stiffness", (1800, r"for 1800 kN/m type tire_stiffness=1.8e\+06")
+            "tire_stiffness", (1800, r"N/m: for 1800 kN/m type tire_stiffness=1.8e\+06"),
+            (1.8e9, "the axle moves at 214 Hz.*; tires have 1e5 to 1e7 N/m"),
+            (13e3, "tire_stiffness = 13000 N/m: exchange the two$"),
+            (14e3, r"the axle moves at 1.54 Hz.*; for 14000 kN/m type tire_stiffness=1.4e\+07"),
         ),
         "damping": slips_of_numbers(
             "damping", (7, "damping = 7 N s/m.*for 7 kN s/m type damping=7000"),
@@ -270,3 +289,43 @@ def test_a_slip_is_told_once_with_what_to_type(good, function, argument, slip, s
 @pytest.mark.parametrize("function", GOOD)
 def test_no_slip_is_no_word(good, function):
     getattr(bc, function)(**good)
+
+
+ELEVATIONS = np.zeros(9)
+SURFACE = bc.ramp_surface(BEAM, CAR, 25, ramp_length=0.5)
+OTHERS = {
+    "convoy of one": (lambda: bc.convoy(CAR, [0]), r"vehicles must be a list.*type \[front, rear"),
+    "convoy of a bridge": (lambda: bc.convoy([CAR, BEAM], [0, 5]), "vehicles must be a list"),
+    "convoy ahead": (
+        lambda: bc.convoy([CAR, CAR], [0, -5]), r"offsets must be distances.*type \[5.0, 0.0\]",
+    ),
+    "one mass": (
+        lambda: bc.Vehicle([9e3, 1e3], np.eye(2), np.eye(2), [1e6]), "numpy.diag.mass_matrix.",
+    ),
+    "one tire": (
+        lambda: bc.Vehicle(np.eye(2), np.eye(2), np.eye(2), 1.8e6), r"tire_stiff.* \[1.8e\+06\]",
+    ),
+    "arguments swapped": (
+        lambda: bc.dae_trust(ROAD, SURFACE), "surface must be a .*RampSurface, got RoadProfile",
+    ),
+    "elevations elsewhere": (
+        lambda: SURFACE.dae(ELEVATIONS), r"roads must have elevations.*type RoadProfile\(x, elev",
+    ),
+    "no approach": (lambda: SURFACE.dae(ELSEWHERE), "the crossing needs 0 m to 25 m"),
+    "long approach": (
+        lambda: bc.score([PASSIVE], BEAM, CAR, [ROAD], 25, approach=20), "or approach=10$",
+    ),
+    "surface for its file": (
+        lambda: bc.load_surface(SURFACE), "path must be a string or a Path, got Ramp.*surface.npz",
+    ),
+    "road for its file": (lambda: bc.read_profile(ROAD.x), r"path must be .{,90}: type path=.road"),
+    "small class": (lambda: bc.iso8608_profile("a", 25), "roughness must be .*: type 'A'$"),
+    "seed in words": (lambda: bc.iso8608_profile("A", 25, seed="x"), "seed must be a whole number"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", OTHERS)
+def test_slips_elsewhere_are_told_with_what_to_type(case):
+    call, says = OTHERS[case]
+    with pytest.raises((TypeError, ValueError), match=says):
+        call()

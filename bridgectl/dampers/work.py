@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl._estimates import what_counts
 from bridgectl._work import Work, at_least, at_most, require_feasible
 from bridgectl.crossing import Crossing
 
@@ -49,10 +50,7 @@ def require_loop(
     dense = min(dampers, key=lambda damper: damper.sample_time)
     stiff = max(dampers, key=lambda damper: damper.strategy.c_max)
     spacing = float(np.ptp(stations) / (stations.size - 1))  # as a mean
-    arguments = {
-        "n_modes": at_most(crossing.beam.n_modes, 3),
-        "speeds": at_most(speeds.size, 101, what="{value} speeds"),
-        "slowest": at_least(float(speeds.min()), 5.0, "m/s", "a speed of {value}"),
+    arguments = what_counts(crossing, speeds) | {
         "roads": at_most(n_roads, 100, what="{value} roads"),
         "approach": at_most(-float(stations[0]), 200.0, "m"),
         "departure": at_most(float(stations[-1]) - crossing.beam.length, 200.0, "m"),

@@ -163,7 +163,12 @@ def iso8608_elevations(
     level_gd, exponent = requested_roughness(roughness, level), _waviness(waviness)
     limits = _band(band, dx)
     _require_feasible(count, float(length), dx, limits)
-    rng = np.random.default_rng(seed)
+    try:
+        rng = np.random.default_rng(seed)
+    except (TypeError, ValueError):
+        raise TypeError(
+            f"seed must be a whole number from 0, a numpy.random.Generator or None, got {seed!r}"
+        ) from None
     if method == "spectral":
         size, make = _sum_of_waves(level_gd, exponent, limits, n_steps + 1, dx)
     else:

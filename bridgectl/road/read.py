@@ -134,7 +134,7 @@ def read_profile(
     ...     read_profile(path, decimal=",", missing=-999, skip_lines=1).x.tolist()
     [0.0, 0.1, 0.3]
     """
-    file = _checked_path(path)
+    file = check.path("path", path, "road.csv")
     request = _request(file, units, columns, delimiter, step, decimal, missing, skip_lines)
     if isinstance(track, bool) or not isinstance(track, str | int | None):
         raise TypeError(f"track must be a label or a whole number, got {track!r}: type track=0")
@@ -193,7 +193,7 @@ def read_tracks(
     ...     [road.name for road in read_tracks(path)]
     ['lane left', 'lane right']
     """
-    file = _checked_path(path)
+    file = check.path("path", path, "road.csv")
     request = _request(file, units, columns, delimiter, step, decimal, missing, skip_lines)
     stem = _stem(file, name)
     return _read(file, request, lambda labels: track_names(stem, labels))
@@ -239,12 +239,6 @@ def _read(file: str, request: Request, pick: Pick) -> list[RoadProfile]:
     for remark in request.remarks:
         warn(remark)
     return roads
-
-
-def _checked_path(path: str | os.PathLike[str]) -> str:
-    if isinstance(path, str | os.PathLike) and isinstance(file := os.fspath(path), str):
-        return file
-    raise TypeError(f'path must be a string or a Path, got {path!r}: type path="road.csv"')
 
 
 def _stem(file: str, name: str | None) -> str:

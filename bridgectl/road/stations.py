@@ -40,7 +40,9 @@ class Stations:
         first, last = check.number("start", start), check.number("stop", stop)
         return bool(self._x[0] - TOLERANCE <= first <= last <= self._x[-1] + TOLERANCE)
 
-    def require(self, start: float, stop: float, what: str = "the crossing") -> None:
+    def require(
+        self, start: float, stop: float, what: str = "the crossing", argument: str = "start"
+    ) -> None:
         """Refuse a road that does not reach from one station to another, approach plus bridge.
 
         Parameters
@@ -49,6 +51,8 @@ class Stations:
             The stations [m].
         what : str, optional
             What needs the road, for the message.
+        argument : {'start', 'approach'}, optional
+            What may be changed for a shorter approach.
 
         Raises
         ------
@@ -57,12 +61,15 @@ class Stations:
         """
         if self.covers(start, stop):
             return
+        start, stop = start + 0.0, stop + 0.0  # which makes -0 a 0
         first, last = float(self._x[0]), float(self._x[-1])
         way_out = "pass a longer road"
         if last - first >= stop - start:
             way_out += f" or place_bridge({first - start:.10g} to {last - stop:.10g})"
         elif first < stop <= last:
-            way_out += f" or start={first:.10g}"
+            way_out += f" or {argument}={first if argument == 'start' else -first:.10g}"
+        elif 10 * (last - first) < stop - start and self.covers(start / 1e3, stop / 1e3):
+            way_out = "for stations in km type RoadProfile(1000 * x, elevation)"
         raise ValueError(
             f"the road covers {self._range()} but {what} needs {start:.10g} m to {stop:.10g} m "
             f"(approach plus bridge): {way_out}"
