@@ -82,8 +82,9 @@ ROUGHEST = 0.35
 STEEPEST = 0.01
 """Largest grade [m/m] on which a vehicle may start as if the road before it were level."""
 
-SMOOTHEST = 1e-8
-"""Least G_d(n_0) of a road [m^3]: a new runway has 1e-6, class E in m read as mm 4e-9."""
+SMOOTHEST = (1e-6, 0.05)
+"""IRI [m/km] of no measured road: a new runway has 0.5, a class D road in m read as mm 0.01, one
+that is drawn level 0 but for round-off."""
 
 
 class PlausibilityWarning(UserWarning):
@@ -137,12 +138,12 @@ def judge_kmh(option: str, speeds: FloatArray) -> None:
     _tell(_speed_doubts(option, float(speeds.max()) / 3.6, "type km/h, as 80"))
 
 
-def judge_smoothness(name: str, roughness: float) -> None:
-    """Warn of a measured road with a G_d(n_0) [m^3] below that of any."""
-    if roughness < SMOOTHEST:
+def judge_smoothness(name: str, iri: float) -> None:
+    """Warn of a road with an IRI [m/km] below that of any, but not level."""
+    if SMOOTHEST[0] < iri < SMOOTHEST[1]:
         doubt = (
-            f"{name}: G_d(n0) = {roughness:.2g} m^3 is smoother than any road (class A has 16e-6 "
-            "m^3): are its elevations in m, and not in mm? Correct or pass their unit"
+            f"{name}: an IRI of {iri:.2g} m/km is smoother than any road (a new one has 1): are "
+            "its elevations in m, and not in mm? Correct or pass their unit"
         )
         _tell(iter([doubt]))
 

@@ -107,11 +107,11 @@ def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
     track = TrackMeasures(road, road.iri(), segments, None)
     if track.good is None:
         return track
+    judge_smoothness(road.name, track.iri)
     try:
         fit = road.psd().fit()
     except ValueError:  # too short for a line
         return track
-    judge_smoothness(road.name, fit.roughness)
     return replace(track, fit=fit)
 
 
