@@ -2,7 +2,6 @@
 
 import dataclasses
 import io
-import time
 import warnings
 
 import numpy as np
@@ -98,10 +97,8 @@ HOPELESS = {
 @pytest.mark.parametrize("case", HOPELESS)
 def test_hopeless_work_is_refused_at_once_with_its_cause_and_what_would_do(bridge, truck, case):
     call, says = HOPELESS[case]
-    begin = time.process_time()
     with pytest.raises(ValueError, match="this would take about") as caught:
         call(bridge, truck)
-    assert time.process_time() - begin < 2.0  # some milliseconds, without the work
     assert says in str(caught.value)
     assert "would do" in str(caught.value)
 
@@ -133,34 +130,6 @@ def test_what_studies_need_is_not_refused_and_takes_no_word(truck):
         bare, [Damper(SKYHOOK)] * 20, speeds[::10], stations, 1000, n_ramps=850, n_recorded=3,
         at_once=50, announced=False,
     )  # fmt: skip
-
-
-@pytest.mark.slow
-def test_estimates_are_right_within_a_factor_of_four(bridge, truck, monkeypatch):
-    found = []
-    monkeypatch.setattr(_work, "_evaluate", _recording(_work._evaluate, found))
-    speeds = np.linspace(50, 150, 21) / 3.6
-    road = bc.iso8608_profile("A", 225, seed=0, start=-200)
-    for call in (
-        lambda: bc.daf(bridge, truck, np.linspace(50, 150, 201) / 3.6, road, start=-200),
-        lambda: bc.daf(many_modes(15), truck, speeds, road, start=-200),
-        lambda: bc.ramp_surface(bridge, truck, np.linspace(50, 150, 201) / 3.6),
-        lambda: bc.ramp_surface(many_modes(10), truck, speeds),
-        lambda: simulate_loop(bridge, truck, SKYHOOK, speeds, STATIONS, np.zeros((50, 251))),
-    ):
-        found.clear()
-        begin = time.process_time()
-        call()
-        took = time.process_time() - begin
-        assert took / 4 < found[0].seconds < 4 * took
-
-
-def _recording(evaluate, found):
-    def recorded(*args, **changed):
-        found.append(evaluate(*args, **changed))
-        return found[-1]
-
-    return recorded
 
 
 def test_long_work_is_announced_with_the_callers_line():

@@ -16,7 +16,7 @@ from bridgectl.beam import Beam
 from bridgectl.crossing import Crossing
 from bridgectl.propagator import SAME_PLACE
 from bridgectl.quarter_car import QuarterCar
-from bridgectl.road.limits import require_gentle
+from bridgectl.road.limits import first_too_steep, require_gentle
 
 from .actuator import Damper, as_damper, bare_vehicle
 from .loop import RECORDED, Loop
@@ -103,12 +103,19 @@ def _roads(beam: Beam, stations: ArrayLike, elevations: ArrayLike) -> tuple[Floa
         raise ValueError(
             f"stations must increase from 0 m or less to the end of the bridge, {beam.length:g} m"
         )
+    steepest = np.append(0.0, np.cumsum(np.abs(np.diff(z)).max(axis=0)))  # of all roads at once
+    if first_too_steep(x, steepest) is not None:
+        _require_gentle_roads(x, z)
+    return x, z
+
+
+def _require_gentle_roads(x: FloatArray, z: FloatArray) -> None:
+    """Name the first road that is too steep, and where."""
     for k, road in enumerate(z):
         try:
             require_gentle(x, road)
         except ValueError as error:
             raise ValueError(f"elevations of road {k}: {error}") from None
-    return x, z
 
 
 def _names(record: Iterable[str]) -> tuple[str, ...]:
