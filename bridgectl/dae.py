@@ -16,12 +16,14 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_roads
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
+from bridgectl.class_dae import ClassDae, over_class
 from bridgectl.crossing import Crossing
 from bridgectl.peaks import find_peaks
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.ramps import FeedbackHistories, Histories, superposed
 from bridgectl.response import daf
-from bridgectl.road import RoadProfile
+from bridgectl.road import RoadProfile, ramp_covariance
+from bridgectl.road.iso8608 import DEFAULT_BAND
 from bridgectl.road.sampling import COARSE
 from bridgectl.simulation import linear_contact, prepare
 from bridgectl.tire_contact import TireContact
@@ -62,6 +64,10 @@ class RampSurface:
         DAF of a unit ramp on an otherwise smooth road.
     histories : Histories
         The moment histories behind them.
+    daf_rise : ndarray, shape (n_speeds, n_ramps), or None
+        DAF of a rise of the same height, if both ways were asked for.
+    every : int
+        The DAFs of ramps were computed at every so many-th place, with straight lines between.
     """
 
     beam: Beam
@@ -77,11 +83,15 @@ class RampSurface:
     daf_smooth: FloatArray
     daf_unit: FloatArray
     histories: Histories = field(repr=False)
+    daf_rise: FloatArray | None = None
+    every: int = 1
 
     def __repr__(self) -> str:
         kmh = self.speeds * 3.6
         rest = "" if self.section == 0.5 else f", section={self.section:g} of the span"
         rest += "" if self.effect == "moment" else f", effect={self.effect!r}"
+        rest += "" if self.daf_rise is None else ", both ways"
+        rest += "" if self.every == 1 else f", computed at every {self.every}th place"
         if isinstance(self.histories, FeedbackHistories):
             rest += f", damper={self.histories.damper!r}"
         return (
@@ -95,6 +105,37 @@ class RampSurface:
     def daf_difference(self) -> FloatArray:
         """What a unit ramp changes, DAF_unit - DAF_smooth [-] (Fig. 5(b)), (n_speeds, n_ramps)."""
         return np.asarray(self.daf_unit - self.daf_smooth[:, np.newaxis])
+
+    @property
+    def odd_effect(self) -> FloatArray:
+        """What changes its sign with the ramp, (drop - rise) / 2 [-], (n_speeds, n_ramps).
+
+        Raises
+        ------
+        ValueError
+            If the surface has ramps down alone.
+        """
+        return np.asarray((self.daf_unit - self._both_ways()) / 2)
+
+    @property
+    def even_effect(self) -> FloatArray:
+        """What drop and rise have in common, (drop + rise) / 2 - smooth [-], (n_speeds, n_ramps).
+
+        Raises
+        ------
+        ValueError
+            If the surface has ramps down alone.
+        """
+        mean = (self.daf_unit + self._both_ways()) / 2
+        return np.asarray(mean - self.daf_smooth[:, np.newaxis])
+
+    def _both_ways(self) -> FloatArray:
+        if self.daf_rise is None:
+            raise ValueError(
+                "the surface has ramps down alone, which have no second order: type "
+                'ramp_surface(..., ramp_height="A", both_ways=True)'
+            )
+        return self.daf_rise
 
     @property
     def stations(self) -> FloatArray:
@@ -180,17 +221,23 @@ class RampSurface:
         return road._measured_as(min(self.ramp_length, COARSE))
 
     @on_one_thread
-    def dae(self, roads: Roads) -> FloatArray:
+    def dae(self, roads: Roads, *, order: int = 1) -> FloatArray:
         """Dynamic amplification estimate of a road or of many, Eq. (15).
 
         DAE(c) = DAF_smooth(c) + sum_i [DAF_unit(c, i) - DAF_smooth(c)] s(i): a first-order
         estimate, right where the peak moment keeps its place in time and poor at speeds
         where two peaks compete. `superposed_daf` has no such error.
 
+        It is odd in the road: over roads and their mirror images its mean is the smooth DAF,
+        whatever the damper. Of order 2 it is DAF_smooth + sum_i o_i s(i) + sum_i e_i s(i)^2 with
+        `odd_effect` o and `even_effect` e, where a damper that switches has its gain.
+
         Parameters
         ----------
         roads
             As `ramps`.
+        order : {1, 2}, optional
+            1: Eq. (15). 2: with the even effects, of a surface that was made both ways.
 
         Returns
         -------
@@ -199,7 +246,7 @@ class RampSurface:
         Raises
         ------
         TypeError, ValueError
-            As `ramps`.
+            As `ramps`; of order 2, if the surface has ramps down alone.
 
         Warns
         -----
@@ -223,18 +270,79 @@ class RampSurface:
         >>> print(f"{surface.dae(bc.li2006.fig7_road())[0]:.4f}")
         1.0648
         """
-        estimate: FloatArray = self.ramps(roads) @ self.daf_difference.T
+        first, second = self._effects(order)
+        scales = self.ramps(roads)
         judge_roads(*_profiles(roads))
+        estimate: FloatArray = scales @ first.T
+        if second is not None:
+            estimate += scales**2 @ second.T
         estimate += self.daf_smooth
         return estimate
 
-    def contributions(self, road: RoadProfile | ArrayLike) -> FloatArray:
+    def _effects(self, order: int) -> tuple[FloatArray, FloatArray | None]:
+        """What a unit ramp does times s, and times s^2."""
+        if _checks.integer("order", order, at_least=1) > 2:
+            raise ValueError(f"order must be 1 or 2, got {order}")
+        return (self.daf_difference, None) if order == 1 else (self.odd_effect, self.even_effect)
+
+    def class_dae(
+        self,
+        roughness: str | float,
+        *,
+        waviness: float = 2.0,
+        band: tuple[float, float] = DEFAULT_BAND,
+        level: str = "mean",
+    ) -> ClassDae:
+        """Mean and standard deviation of the DAE over the random roads of a class, closed form.
+
+        Of the second order if the surface was made both ways: with ramps of covariance S, in units
+        of the unit ramp, the mean is DAF_smooth + sum_i e_i S_ii, the variance
+        o' S o + 2 tr((E S)^2). Of the first order the mean is the smooth DAF.
+
+        Parameters
+        ----------
+        roughness, waviness, band, level
+            See `bridgectl.iso8608_profile`.
+
+        Returns
+        -------
+        ClassDae
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `bridgectl.iso8608_profile`, of a class that there is not for example.
+
+        Examples
+        --------
+        Bridgehook, which Eq. (15) does not tell from the vehicle's own damper, on class A roads:
+
+        >>> import bridgectl as bc
+        >>> beam, car = bc.li2006.beam(), bc.li2006.car()
+        >>> for damper in (None, bc.dampers.bridgehook(beam, car, 1e3, 30e3)):
+        ...     surface = bc.ramp_surface(
+        ...         beam, car, 30.0, approach=20, ramp_height="A", both_ways=True, every=10,
+        ...         damper=damper)
+        ...     print(f"{surface.class_dae('A').mean[0]:.2f}, smooth {surface.daf_smooth[0]:.2f}")
+        1.14, smooth 1.14
+        1.10, smooth 1.13
+        """
+        covariance = ramp_covariance(
+            roughness, len(self.positions), self.ramp_length, waviness=waviness, band=band,
+            level=level,
+        )  # fmt: skip
+        effects = self._effects(1 if self.daf_rise is None else 2)
+        return over_class(self.speeds, self.daf_smooth, *effects, covariance / self.ramp_height**2)
+
+    def contributions(self, road: RoadProfile | ArrayLike, *, order: int = 1) -> FloatArray:
         """What each ramp of one road adds to its DAE, the terms of Eq. (15).
 
         Parameters
         ----------
         road : RoadProfile or array_like, shape (n_ramps + 1,)
             As `ramps`.
+        order : {1, 2}, optional
+            See `dae`.
 
         Returns
         -------
@@ -256,7 +364,8 @@ class RampSurface:
         if scales.ndim != 1:
             raise ValueError(f"road must be one road, got {len(scales)}: take one at a time")
         judge_roads(*_profiles(road))
-        return np.asarray(self.daf_difference * scales)
+        first, second = self._effects(order)
+        return np.asarray(first * scales if second is None else first * scales + second * scales**2)
 
     @on_one_thread
     def superposed_daf(self, roads: Roads) -> FloatArray:

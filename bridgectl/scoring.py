@@ -326,10 +326,10 @@ def _numbered(index: int, *job: Any) -> tuple[int, dict[str, Any]]:
 def _part(study: _Study, damper: Damper, first: int) -> dict[str, Any]:
     """Score one strategy on some roads: arrays (roads, speeds) of every measure."""
     elevations = study.elevations[first : first + ROADS_AT_ONCE]
-    ramps = study.n_ramps if damper.kept is None else 0
+    ramps = np.arange(study.n_ramps if damper.kept is None else 0)
     run = ramps_and_roads(
-        study.crossing, damper, study.speeds, study.stations, ramps, RAMP_HEIGHT, elevations,
-        RECORDED,
+        study.crossing, damper, study.speeds, study.stations, ramps,
+        np.full(ramps.size, RAMP_HEIGHT), elevations, RECORDED,
     )  # fmt: skip
     if damper.kept is not None:  # its surface is exact, and quick
         surface = ramp_surface(

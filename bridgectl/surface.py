@@ -22,7 +22,8 @@ from bridgectl.propagator import SAME_PLACE, bridge_entry, sample_positions
 from bridgectl.quarter_car import QuarterCar
 from bridgectl.ramps import DenseHistories, Histories, factor_histories
 from bridgectl.response import METHODS
-from bridgectl.road import RoadProfile
+from bridgectl.road import RoadProfile, ramp_covariance
+from bridgectl.road.psd import CLASSES
 from bridgectl.simulation import Run, prepare, reference_effect
 from bridgectl.vehicle import Vehicle
 
@@ -42,7 +43,9 @@ def ramp_surface(
     *,
     approach: float = 0.0,
     ramp_length: float = RAMP_LENGTH,
-    ramp_height: float = RAMP_HEIGHT,
+    ramp_height: float | str = RAMP_HEIGHT,
+    both_ways: bool = False,
+    every: int = 1,
     section: float = 0.5,
     recovery: str = "exact",
     effect: str = "moment",
@@ -63,7 +66,16 @@ def ramp_surface(
         Length of the approach [m]: the vehicle starts that far before the bridge, in
         equilibrium, and ramps lie there too.
     ramp_length, ramp_height : float, optional
-        The unit ramp [m]: by default 1 mm over 100 mm, a *drop*, as in the paper.
+        The unit ramp [m]: by default 1 mm over 100 mm, a *drop*, as in the paper. A road class,
+        "A" to "H", stands for the height sigma sqrt(N) of one ramp with the variance of the drops
+        over all N ramps of its roads: 13.4 mm for class A and 850 ramps.
+    both_ways : bool, optional
+        Whether there are rises of that height beside the drops: what they do together is the
+        even part of a ramp's effect, which `RampSurface.dae` of order 2 and
+        `RampSurface.class_dae` need to tell dampers apart.
+    every : int, optional
+        Take a ramp at every so many-th place alone, and straight lines between: a tenth of the
+        ramps cost a tenth of the time.
     method : {'propagator', 'control'}, optional
         'propagator': all ramps from one propagation, factored. 'control': one
         `control.input_output_response` for each ramp and speed, slow, for comparison.
@@ -107,13 +119,9 @@ def ramp_surface(
     """
     c = _checks.speeds(speeds)
     length = _checks.positive("ramp_length", ramp_length, unit="m")
-    height = _checks.positive("ramp_height", ramp_height, unit="m")
-    if height > length:
-        raise ValueError(
-            f"ramp_height must not exceed ramp_length (a slope of 1), got {height:g} m over "
-            f"{length:g} m: for a ramp of 1 mm type 1e-3"
-        )
     before = _checks.not_negative("approach", approach, unit="m")
+    _checks.flag("both_ways", both_ways)
+    places = slice(None, None, _checks.integer("every", every, at_least=1))
     if isinstance(beam, Beam) and length > beam.length:
         raise ValueError(
             f"ramp_length must not exceed the bridge of {beam.length:g} m, got {length:g} m: for "
@@ -130,6 +138,8 @@ def ramp_surface(
     judge_crossing(crossing, c)
     require_surface(crossing, c, before, length, method)
     n_ramps = int(np.ceil((before + beam.length) / length - SAME_PLACE))
+    height = _height(ramp_height, length, n_ramps)
+    heights = np.array([height, -height] if both_ways else [height])
     positions = -before + length * np.arange(n_ramps)
     edges = np.append(positions, positions[-1] + length)
     histories: Histories
@@ -142,9 +152,10 @@ def ramp_surface(
         if (constant := as_damper(damper).constant) is not None:  # a vehicle like any other
             return ramp_surface(
                 beam, replace(bare_vehicle(vehicle), damping=constant), c, approach=before,
-                ramp_length=length, ramp_height=height, section=section, recovery=recovery,
+                ramp_length=length, ramp_height=height, both_ways=both_ways, every=every,
+                section=section, recovery=recovery,
             )  # fmt: skip
-        daf_smooth, daf_unit, histories = ramp_dafs(crossing, damper, c, edges, height)
+        daf_smooth, ramps, histories = ramp_dafs(crossing, damper, c, edges, heights, every)
     else:
         # The smooth road has nodes at the ramps' ends all the same.
         smooth_road = RoadProfile(edges, np.zeros_like(edges))
@@ -154,11 +165,38 @@ def ramp_surface(
         else:
             histories = _simulate_ramps(run, edges, c, height, progress)
         daf_smooth = find_peaks(histories.smooth.T).values
-        daf_unit = np.array([histories.peaks(i, height) for i in range(c.size)])
+        ramps = np.array([[histories.peaks(i, h) for i in range(c.size)] for h in heights])
+        ramps = ramps[..., places]
+    daf_unit, daf_rise = (*_between(positions, positions[places], ramps), None)[:2]
     return RampSurface(
         beam, vehicle, section, recovery, effect, before, length, height, c, positions,
-        daf_smooth, daf_unit, histories,
+        daf_smooth, daf_unit, histories, daf_rise, every,
     )  # fmt: skip
+
+
+def _height(given: float | str, length: float, n_ramps: int) -> float:
+    """Height of the unit ramp [m], of a road class that of one ramp for all of them."""
+    if isinstance(given, str) and given.isalpha():
+        _checks.choice("ramp_height, if no height [m],", given, tuple(CLASSES))
+        height = float(np.sqrt(n_ramps * ramp_covariance(given, 1, length)[0]))
+    else:
+        height = _checks.positive("ramp_height", given, unit="m")
+    if height > length:
+        raise ValueError(
+            f"ramp_height must not exceed ramp_length (a slope of 1), got {height:.3g} m over "
+            f"{length:g} m: for a ramp of 1 mm type 1e-3"
+        )
+    return height
+
+
+def _between(positions: FloatArray, places: FloatArray, dafs: FloatArray) -> FloatArray:
+    """DAFs (..., n_places) at all positions, on straight lines between the places."""
+    if len(places) == len(positions):
+        return dafs
+    rows = dafs.reshape(-1, len(places))
+    return np.array([np.interp(positions, places, row) for row in rows]).reshape(
+        *dafs.shape[:-1], -1
+    )
 
 
 def _simulate_ramps(

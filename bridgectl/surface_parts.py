@@ -12,7 +12,7 @@ from bridgectl.dae import RampSurface
 
 UNITS = {
     "section": "1", "approach": "m", "ramp_length": "m", "ramp_height": "m",
-    "speeds": "m/s", "positions": "m", "daf_smooth": "1", "daf_unit": "1",
+    "speeds": "m/s", "positions": "m", "daf_smooth": "1", "daf_unit": "1", "daf_rise": "1",
     "beam.length": "m", "beam.mass_per_length": "kg/m", "beam.flexural_rigidity": "N m^2",
     "beam.n_modes": "1", "beam.damping_ratio": "1",
     "vehicle.sprung_mass": "kg", "vehicle.unsprung_mass": "kg",
@@ -28,7 +28,7 @@ UNITS = {
 }  # fmt: skip
 """Units of parameters and arrays; 'state' is a displacement [m], its rate [m/s] or the road [m]."""
 
-COMPUTED = ("positions", "daf_smooth", "daf_unit", "histories")
+COMPUTED = ("positions", "daf_smooth", "daf_unit", "daf_rise", "histories")
 """What a surface computes from the rest."""
 
 AXES: dict[str, tuple[str, ...]] = {
@@ -36,6 +36,7 @@ AXES: dict[str, tuple[str, ...]] = {
     "positions": ("ramp",),
     "daf_smooth": ("speed",),
     "daf_unit": ("speed", "ramp"),
+    "daf_rise": ("speed", "ramp"),
     "histories.nodes": ("node",),
     "histories.smooth": ("speed", "sample"),
     "histories.unit": ("speed", "sample", "ramp"),

@@ -206,8 +206,11 @@ SLIPS = {
             "ramp_length", (100, "ramp_length must not exceed .*for 100 mm type 0.1")
         ),
         "ramp_height": slips_of_numbers(
-            "ramp_height", (1, "ramp_height must not exceed .*for a ramp of 1 mm type 1e-3")
+            "ramp_height", (1, "ramp_height must not exceed .*for a ramp of 1 mm type 1e-3"),
+            ("Z", "ramp_height, if no height .*, must be one of 'A', 'B'"),
         ),
+        "both_ways": [("yes", "both_ways must be True or False"), (1, "both_ways must be True")],
+        "every": [(0, "every must be 1 or more"), (1.5, "every must be a whole number")],
     },
     "score": MODEL | {
         "dampers": [

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
@@ -121,9 +122,10 @@ def ramp_dafs(
     damper: Damper | Strategy,
     speeds: FloatArray,
     edges: FloatArray,
-    height: float,
+    heights: FloatArray,
+    every: int,
 ) -> tuple[FloatArray, FloatArray, FeedbackHistories]:
-    """Return the DAF of a smooth road, of a ramp at every place, and what stands for histories.
+    """Return DAFs of a smooth road and of ramps of several heights, and what stands for histories.
 
     Parameters
     ----------
@@ -135,12 +137,15 @@ def ramp_dafs(
         Speeds [m/s].
     edges : ndarray, shape (n_ramps + 1,)
         Ends of the ramps [m].
-    height : float
-        Drop over a ramp [m].
+    heights : ndarray, shape (n_heights,)
+        Drops over a ramp [m].
+    every : int
+        Ramps start at each so many-th of the edges.
 
     Returns
     -------
-    daf_smooth, daf_unit, histories : ndarray (n_speeds,), ndarray (n_speeds, n_ramps), object
+    daf_smooth, daf_ramps, histories
+        Shapes (n_speeds,), (n_heights, n_speeds, n_places), and an object.
     """
     device = as_damper(damper)
     histories = FeedbackHistories(device.strategy.name)
@@ -149,20 +154,28 @@ def ramp_dafs(
             ramp_surface(
                 crossing.beam, replace(bare_vehicle(crossing.vehicle), damping=float(c)), speeds,
                 approach=-float(edges[0]), ramp_length=float(edges[1] - edges[0]),
-                ramp_height=height, section=crossing.section, recovery=crossing.recovery,
+                ramp_height=float(heights[0]), both_ways=len(heights) > 1,
+                section=crossing.section, recovery=crossing.recovery,
             )
             for c in device.kept
         ]  # fmt: skip
-        smooth, unit = ([getattr(s, n) for s in surfaces] for n in ("daf_smooth", "daf_unit"))
-        return np.min(smooth, axis=0), np.min(unit, axis=0), histories
-    found = ramps_and_roads(crossing, device, speeds, edges, len(edges) - 1, height)
+        names = ("daf_unit", "daf_rise")[: len(heights)]
+        best = [np.min([getattr(s, name) for s in surfaces], axis=0) for name in names]
+        smooth = np.min([surface.daf_smooth for surface in surfaces], axis=0)
+        return smooth, np.array(best)[..., ::every], histories
+    starts = np.arange(0, len(edges) - 1, every)
+    found = ramps_and_roads(
+        crossing, device, speeds, edges, np.repeat(starts, len(heights)),
+        np.tile(heights, len(starts)),
+    )  # fmt: skip
     if found.flights:
         warn(
             f"a tire leaves the road in {found.flights} of {found.unit.size} crossings of a ramp "
-            f"of {height:g} m: simulated there with R >= 0; type a smaller ramp_height",
+            f"of {heights[0]:g} m: simulated there with R >= 0; type a smaller ramp_height",
             LiftOffWarning,
         )
-    return found.smooth, found.unit, histories
+    ramps = np.moveaxis(found.unit.reshape(len(speeds), -1, len(heights)), -1, 0)
+    return found.smooth, ramps, histories
 
 
 @on_one_thread
@@ -171,8 +184,8 @@ def ramps_and_roads(
     damper: Damper,
     speeds: FloatArray,
     stations: FloatArray,
-    n_ramps: int,
-    height: float,
+    starts: NDArray[np.intp],
+    drops: FloatArray,
     roads: FloatArray | None = None,
     record: tuple[str, ...] = (),
 ) -> RampsAndRoads:
@@ -180,12 +193,14 @@ def ramps_and_roads(
 
     Parameters
     ----------
-    crossing, damper, speeds, height
+    crossing, damper, speeds
         As `ramp_dafs`.
     stations : ndarray, shape (n,)
-        Stations of the roads [m]; the first n_ramps + 1 are the ends of the ramps.
-    n_ramps : int
-        Number of ramps; 0 for none.
+        Stations of the roads [m].
+    starts : ndarray of int, shape (n_ramps,)
+        Stations that the ramps start at, by number, never falling; each reaches to the next one.
+    drops : ndarray, shape (n_ramps,)
+        Drop over each ramp [m].
     roads : ndarray, shape (n_roads, n), optional
         Elevations of roads [m].
     record : tuple of str, optional
@@ -197,14 +212,14 @@ def ramps_and_roads(
     """
     whole = np.empty((0, len(stations))) if roads is None else roads
     require_loop(
-        _bare(crossing), [damper], speeds, stations, len(whole) + 1, n_ramps=n_ramps,
+        _bare(crossing), [damper], speeds, stations, len(whole) + 1, n_ramps=len(starts),
         n_recorded=len(record), announced=roads is None,
     )  # fmt: skip
-    after = np.arange(len(stations)) > np.arange(n_ramps)[:, np.newaxis]
+    after = np.arange(len(stations)) > starts[:, np.newaxis]
     # A ramp's road is the smooth one, the first, until the ramp begins.
-    elevations = np.vstack([np.zeros((1, len(stations))), whole, -height * after])
+    elevations = np.vstack([np.zeros((1, len(stations))), whole, -drops[:, np.newaxis] * after])
     first = 1 + len(whole)
-    begins = np.concatenate([np.full(first, stations[0]), stations[:n_ramps]])
+    begins = np.concatenate([np.full(first, stations[0]), stations[starts]])
     order = np.argsort(speeds, kind="stable")
     found = Loop(
         _bare(crossing), damper, speeds[order], stations, elevations, record, slice(1, first),

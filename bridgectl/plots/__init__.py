@@ -6,6 +6,7 @@ The functions return axes or figures and leave `matplotlib.pyplot` alone: save w
 
 from .animation import crossing_animation
 from .bridge import dae_figure, lines_plot, paper_figure, smooth_daf_plot, surface_plot
+from .effects import effects_figure
 from .roads import pair_figure, profile_figure, psd_plot
 from .scores import score_figure
 from .validation import validation_figure
@@ -13,6 +14,7 @@ from .validation import validation_figure
 __all__ = [
     "crossing_animation",
     "dae_figure",
+    "effects_figure",
     "lines_plot",
     "pair_figure",
     "paper_figure",

@@ -240,16 +240,22 @@ def lines_plot(
     ['90 km/h', '108 km/h']
     """
     ax = new_axes(ax)
-    ends = surface.speeds.min(), surface.speeds.max()
-    wanted = np.linspace(*ends, N_LINES) if speeds is None else np.atleast_1d(np.asarray(speeds))
-    nearest = np.unique(np.abs(surface.speeds - wanted[:, np.newaxis]).argmin(axis=1))
-    values = surface.daf_difference if difference else surface.daf_unit
-    for i, color in zip(nearest, cycle(TRACKS), strict=False):
-        label = f"{surface.speeds[i] * 3.6:.4g} km/h"
-        ax.plot(surface.positions / surface.beam.length, values[i], color=color, label=label)
+    draw_lines(ax, surface, surface.daf_difference if difference else surface.daf_unit, speeds)
     ax.set(xlabel=PLACE_LABEL, ylabel="change of the DAF [-]" if difference else "DAF [-]")
     ax.legend()
     return ax
+
+
+def draw_lines(
+    ax: Axes, surface: RampSurface, values: FloatArray, speeds: ArrayLike | None
+) -> None:
+    """Draw values (n_speeds, n_ramps) over the places, one line a speed: see `lines_plot`."""
+    ends = surface.speeds.min(), surface.speeds.max()
+    wanted = np.linspace(*ends, N_LINES) if speeds is None else np.atleast_1d(np.asarray(speeds))
+    nearest = np.unique(np.abs(surface.speeds - wanted[:, np.newaxis]).argmin(axis=1))
+    for i, color in zip(nearest, cycle(TRACKS), strict=False):
+        label = f"{surface.speeds[i] * 3.6:.4g} km/h"
+        ax.plot(surface.positions / surface.beam.length, values[i], color=color, label=label)
 
 
 @styled

@@ -2,7 +2,7 @@
 
 from .events import RoadEvent, add_events
 from .footprint import tire_footprint
-from .iso8608 import iso8608_elevations, iso8608_profile, shaping_filter
+from .iso8608 import iso8608_elevations, iso8608_profile, ramp_covariance, shaping_filter
 from .lines import ProfileFileError
 from .profile import RoadProfile
 from .psd import PsdFit, RoadPsd, class_roughness
@@ -24,6 +24,7 @@ __all__ = [
     "plank",
     "pothole",
     "ramp",
+    "ramp_covariance",
     "read_profile",
     "read_tracks",
     "settlement",

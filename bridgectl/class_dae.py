@@ -1,0 +1,89 @@
+"""The dynamic amplification estimate over a class of random roads, in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import matmul_toeplitz
+from scipy.stats import norm
+
+from bridgectl import _checks
+from bridgectl._checks import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ClassDae:
+    """Mean and spread of the DAE over a road class, by speed: see `RampSurface.class_dae`.
+
+    Attributes
+    ----------
+    speeds : ndarray, shape (n_speeds,)
+        Speeds c [m/s].
+    mean, sd : ndarray, shape (n_speeds,)
+        Mean and standard deviation over the roads [-].
+    order : int
+        2 with ramps both ways, else 1: the mean is then that of a smooth road.
+    """
+
+    speeds: FloatArray
+    mean: FloatArray
+    sd: FloatArray
+    order: int
+
+    def __repr__(self) -> str:
+        return (
+            f"ClassDae(order {self.order}, {self.speeds.size} speeds, mean from "
+            f"{self.mean.min():.4f} to {self.mean.max():.4f}, sd up to {self.sd.max():.4f})"
+        )
+
+    def percentile(self, percent: ArrayLike) -> FloatArray:
+        """What so many percent of the roads stay below, as of a normal distribution.
+
+        Parameters
+        ----------
+        percent : float or array_like
+            Above 0, below 100 [%].
+
+        Returns
+        -------
+        ndarray, shape (n_speeds,) or (n, n_speeds)
+
+        Raises
+        ------
+        TypeError, ValueError
+            If a percentage is not between 0 and 100.
+        """
+        share = _checks.floats("percent", percent) / 100
+        if not np.all((share > 0) & (share < 1)):
+            raise ValueError(f"percent must lie between 0 and 100, got {percent!r}: type 95")
+        return np.asarray(self.mean + norm.ppf(share)[..., np.newaxis] * self.sd)
+
+
+def over_class(
+    speeds: FloatArray,
+    smooth: FloatArray,
+    odd: FloatArray,
+    even: FloatArray | None,
+    covariance: FloatArray,
+) -> ClassDae:
+    """Mean and standard deviation of DAF_smooth + o s + e s^2 for normal ramps s.
+
+    With S = `covariance`: mean = smooth + sum_i e_i S_ii, variance = o' S o + 2 tr((E S)^2).
+
+    Parameters
+    ----------
+    speeds, smooth : ndarray, shape (n_speeds,)
+        Speeds [m/s], DAF of a smooth road.
+    odd, even : ndarray, shape (n_speeds, n_ramps)
+        o and e, for ramps in units of the unit ramp; `even` is None for the first order.
+    covariance : ndarray, shape (n_ramps,)
+        Covariance of ramps by the ramps between them, in the same units.
+    """
+    variance = np.einsum("si,is->s", odd, matmul_toeplitz(covariance, odd.T))
+    mean = smooth.copy()
+    if even is not None:
+        mean += even.sum(axis=1) * covariance[0]
+        variance += 2 * np.einsum("si,is->s", even, matmul_toeplitz(covariance**2, even.T))
+    return ClassDae(speeds, mean, np.sqrt(variance), 1 if even is None else 2)
