@@ -91,7 +91,7 @@ class RampSurface:
         rest = "" if self.section == 0.5 else f", section={self.section:g} of the span"
         rest += "" if self.effect == "moment" else f", effect={self.effect!r}"
         rest += "" if self.daf_rise is None else ", both ways"
-        rest += "" if self.every == 1 else f", computed at every {self.every}th place"
+        rest += "" if self.every == 1 else f", computed at one place in {self.every}"
         if isinstance(self.histories, FeedbackHistories):
             rest += f", damper={self.histories.damper!r}"
         return (

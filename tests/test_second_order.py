@@ -104,7 +104,7 @@ def test_places_between_are_on_straight_lines(bridge, truck, surface):
     assert np.array_equal(thin.daf_rise[:, ::EVERY], surface.daf_rise[:, ::EVERY])
     middle = (thin.daf_unit[:, 100] + thin.daf_unit[:, 100 + EVERY]) / 2
     assert (thin.daf_unit[:, 112] + thin.daf_unit[:, 113]) / 2 == pytest.approx(middle, abs=1e-12)
-    assert "computed at every 25th place" in repr(thin)
+    assert "computed at one place in 25" in repr(thin)
     assert "both ways" in repr(thin)
 
 
