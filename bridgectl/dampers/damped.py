@@ -164,9 +164,10 @@ def ramp_dafs(
         smooth = np.min([surface.daf_smooth for surface in surfaces], axis=0)
         return smooth, np.array(best)[..., ::every], histories
     starts = np.arange(0, len(edges) - 1, every)
+    kept = np.unique([*starts, *(starts + 1), len(edges) - 1])  # steps end at stations
     found = ramps_and_roads(
-        crossing, device, speeds, edges, np.repeat(starts, len(heights)),
-        np.tile(heights, len(starts)),
+        crossing, device, speeds, edges[kept],
+        np.repeat(np.searchsorted(kept, starts), len(heights)), np.tile(heights, len(starts)),
     )  # fmt: skip
     if found.flights:
         warn(
