@@ -167,10 +167,10 @@ def ramp_surface(
         daf_smooth = find_peaks(histories.smooth.T).values
         ramps = np.array([[histories.peaks(i, h) for i in range(c.size)] for h in heights])
         ramps = ramps[..., places]
-    daf_unit, daf_rise = (*_between(positions, positions[places], ramps), None)[:2]
+    daf_unit, *daf_rise = _between(positions, positions[places], ramps)
     return RampSurface(
         beam, vehicle, section, recovery, effect, before, length, height, c, positions,
-        daf_smooth, daf_unit, histories, daf_rise, every,
+        daf_smooth, daf_unit, histories, daf_rise[0] if both_ways else None, every,
     )  # fmt: skip
 
 

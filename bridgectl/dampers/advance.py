@@ -134,6 +134,12 @@ class Stepper:
         limit = None if damper.max_force == np.inf else damper.max_force
         self.bounds = Bounds(-self.weight, None, limit and -limit, limit)
 
+    def steps(self, speeds: FloatArray, edges: FloatArray, *, on_bridge: bool) -> Steps:
+        """Matrices of steps: see `make_steps`."""
+        return make_steps(
+            self.crossing, self.responses, speeds, edges, self.stations, on_bridge=on_bridge
+        )
+
     def advance(
         self, now: Ends, steps: Steps, k: int, edges: FloatArray, *, on_bridge: bool
     ) -> None:
@@ -241,10 +247,7 @@ class Stepper:
     ) -> tuple[Steps, Taken]:
         """One step of each case, from x to end [m]."""
         edges = np.stack([x, end], axis=1)[:, np.newaxis]
-        steps = make_steps(
-            self.crossing, self.responses, self.speeds[cases[0]], edges, self.stations,
-            on_bridge=on_bridge,
-        )  # fmt: skip
+        steps = self.steps(self.speeds[cases[0]], edges, on_bridge=on_bridge)
         return steps, self._take(now, steps, 0, bounds, cases[1][:, np.newaxis])
 
     def _with_events(self, now: Ends, taken: Taken) -> Cases:

@@ -28,7 +28,6 @@ from .steps import (
     Responses,
     longest_step,
     make_plan,
-    make_steps,
     times_within,
 )
 from .strategy import SIGNALS
@@ -60,13 +59,13 @@ class Loop:
         begins: FloatArray | None = None,
     ) -> None:
         self.crossing, self.damper, self.speeds = crossing, damper, speeds
-        self.stations, self.recorded = stations, recorded
+        self.recorded = recorded
         # Positive down, one row a station.
         self.drops = np.ascontiguousarray((elevations[:, :1] - elevations).T)
         longest = longest_step(crossing, damper.strategy.c_max, crossing.beam.n_modes)
         longest = min(longest, damper.sample_time)
-        self.responses = Responses(crossing, longest)
-        self.stepper = Stepper(crossing, damper, speeds, stations, self.drops, self.responses)
+        responses = Responses(crossing, longest)
+        self.stepper = Stepper(crossing, damper, speeds, stations, self.drops, responses)
         parts = times_within(damper.sample_time, longest, damper.lag)
         self.plan: Plan = make_plan(crossing, speeds, stations, damper.sample_time, parts)
         gains = damper.strategy.gains_for(crossing, speeds, stations, elevations)
@@ -92,10 +91,8 @@ class Loop:
         known = 1  # roads whose first ramp has been reached: they follow the first until then
         for rounds, on_bridge in self._chunks():
             here = plan.at_work(rounds)
-            steps = make_steps(
-                self.crossing, self.responses, self.speeds[:here], plan.edges[:here, rounds],
-                self.stations, on_bridge=on_bridge,
-            )  # fmt: skip
+            edges = plan.edges[:here, rounds]
+            steps = self.stepper.steps(self.speeds[:here], edges, on_bridge=on_bridge)
             per_round = plan.edges.shape[2] - 1
             for k in range(rounds.start, rounds.stop):
                 here = plan.at_work(slice(k, k + 1))
@@ -148,8 +145,6 @@ class Loop:
         first = self.plan.first[: len(now.force)] == k
         signals = self._signals(now, k, first)
         wanted = self.law(signals, k)
-        if wanted.shape != now.command.shape:
-            wanted = np.broadcast_to(wanted, now.command.shape)
         switched = (wanted > self.middle) != (now.command > self.middle)
         switched[first] = False
         now.switches += switched
