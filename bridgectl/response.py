@@ -228,8 +228,13 @@ def daf(
         from bridgectl.dampers.actuator import as_damper, bare_vehicle
         from bridgectl.dampers.damped import damped_dafs
 
-        judge_range(bare_vehicle(vehicle), as_damper(damper))
-        return damped_dafs(run, damper, c)
+        device, bare = as_damper(damper), bare_vehicle(vehicle)
+        judge_range(bare, device)
+        if device.constant is None:
+            return damped_dafs(run, device, c)
+        # A constant damper is another vehicle, whose crossing is linear.
+        crossing = replace(crossing, vehicle=replace(bare, damping=device.constant))
+        run = run._replace(crossing=crossing)
     require_crossing(run, c)
     result = np.empty(c.size)
     linear = np.zeros(c.size, dtype=bool)

@@ -146,15 +146,15 @@ def ramp_surface(
     if damper is not None:
         # Late, for dampers lie above this module.
         from bridgectl.dampers.actuator import as_damper, bare_vehicle
+
+        device, bare = as_damper(damper), bare_vehicle(vehicle)
+        judge_range(bare, device)
+        if device.constant is not None:  # a vehicle like any other
+            vehicle, damper = replace(bare, damping=device.constant), None
+            crossing = replace(crossing, vehicle=vehicle)
+    if damper is not None:
         from bridgectl.dampers.damped import ramp_dafs
 
-        judge_range(bare_vehicle(vehicle), as_damper(damper))
-        if (constant := as_damper(damper).constant) is not None:  # a vehicle like any other
-            return ramp_surface(
-                beam, replace(bare_vehicle(vehicle), damping=constant), c, approach=before,
-                ramp_length=length, ramp_height=height, both_ways=both_ways, every=every,
-                section=section, recovery=recovery,
-            )  # fmt: skip
         daf_smooth, ramps, histories = ramp_dafs(crossing, damper, c, edges, heights, every)
     else:
         # The smooth road has nodes at the ramps' ends all the same.

@@ -14,7 +14,7 @@ from bridgectl._warn import warn
 from bridgectl.crossing import Crossing
 from bridgectl.propagator import SAME_PLACE, merge_places
 from bridgectl.ramps import FeedbackHistories
-from bridgectl.response import LiftOffWarning, daf, warn_of_flight, warn_of_flights
+from bridgectl.response import LiftOffWarning, warn_of_flight, warn_of_flights
 from bridgectl.simulation import Run
 from bridgectl.surface import ramp_surface
 
@@ -28,15 +28,8 @@ from .strategy import Strategy
 from .work import require_loop
 
 
-def damped_dafs(run: Run, damper: Damper | Strategy, speeds: FloatArray) -> FloatArray:
+def damped_dafs(run: Run, damper: Damper, speeds: FloatArray) -> FloatArray:
     """Return the DAF of one road at some speeds [m/s], shape (n_speeds,)."""
-    if (constant := as_damper(damper).constant) is not None:
-        crossing = run.crossing
-        told = run.profile and run.profile._measured_as(0.0)  # if it is coarse, that has been said
-        return daf(
-            crossing.beam, replace(bare_vehicle(crossing.vehicle), damping=constant), speeds,
-            told, start=run.start, section=crossing.section, recovery=crossing.recovery,
-        )  # fmt: skip
     found = simulate_run(run, damper, speeds)
     places = dict(zip(speeds.tolist(), found.lift_off[:, 0].tolist(), strict=True))
     warn_of_flights({c: x for c, x in places.items() if x < np.inf}, speeds.size)
