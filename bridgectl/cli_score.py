@@ -59,8 +59,9 @@ bounds, over the same roads and speeds. Prints, for each strategy:
                   and the worst speed
   road and ride   dynamic load coefficient, fourth power of the tire force, least tire force, body
                   acceleration (plain and weighted by ISO 2631-1 W_k), suspension travel, switches
-  the DAE         the dynamic amplification estimate from the strategy's own unit ramps, beside the
-                  simulated DAF, and whether it ranks the strategies right
+  the DAE         the dynamic amplification estimate (DAE) from the strategy's own unit ramps beside
+                  the simulated DAF: of Eq. (15), and of second order over the class of the roads;
+                  how either orders the strategies
 
 The library: passive (the vehicle's own), preset, skyhook, continuous skyhook, groundhook, tire
 groundhook, extended groundhook, selective groundhook, hybrid, ADD, SH-ADD, PDD, clipped LQR,

@@ -6,12 +6,12 @@ import contextlib
 import io
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from rich.table import Table
 
+from bridgectl.agreement import CONFIDENCE, Paired
 from bridgectl.report import make_console, make_table
-from bridgectl.scoreboard import CONFIDENCE, Paired, Row, Scoreboard, rank_correlation
+from bridgectl.scoreboard import CLASS_DAE, ClassRow, Ranking, Row, Scoreboard
 
 NAMED_ROADS = 4
 """Roads that the heading names."""
@@ -29,22 +29,21 @@ body acceleration, plain and weighted by ISO 2631-1 W_k.
 """
 
 DAE_NOTE = """\
-DAE: from the strategy's own 1 mm ramps. rms error: of DAE - DAF over roads and speeds; rank:
-Spearman's correlation of the two. sign: of a clear difference in DAF, whether DAE has it too.
+DAE: from the strategy's own unit ramps; Eq. (15): of 1 mm, down; second order: down and up, of the
+height of the road's class. rms error: of DAE - DAF over roads and speeds; rank: Spearman's
+correlation of the two.
 """
 
+CLASS_NOTE = """\
+Class DAE: mean and standard deviation of the second-order DAE over all roads of the class, in
+closed form; DAF: the same of the simulated roads with ramps as of that class.
+"""
 
-class Verdict(NamedTuple):
-    """Whether DAE ranks a strategy as DAF does, against the first."""
-
-    strategy: str
-    daf_difference: Paired
-    dae_difference: float
-
-    @property
-    def right(self) -> bool:
-        """Whether both have one sign."""
-        return self.daf_difference.mean * self.dae_difference > 0
+RANKING_NOTE = """\
+tau: Kendall's, with the simulated mean DAF unless said otherwise, and its {confidence:g} % interval
+of roads drawn again. clear pairs: of the pairs of strategies whose mean DAFs differ clearly over
+the same roads, those that the estimate has in the right order.
+"""
 
 
 def score_text(board: Scoreboard) -> str:
@@ -64,60 +63,85 @@ def print_score(board: Scoreboard) -> None:
     console.print(note, soft_wrap=True)
     console.print(_road_table(rows, first))
     console.print(ROAD_NOTE, soft_wrap=True)
-    console.print(_dae_table(board, rows))
+    console.print(_dae_table(rows, first))
     console.print(DAE_NOTE, soft_wrap=True)
-    for line in [*_daf_sentences(board, rows), *dae_sentences(board)]:
+    rankings = board.rankings()
+    if board.surfaces:
+        for names in _by_two(list(board.surfaces)):
+            console.print(_class_table(board, names))
+        console.print(CLASS_NOTE, soft_wrap=True)
+    if len(rows) > 1:
+        console.print(_ranking_table(rankings))
+        console.print(RANKING_NOTE.format(confidence=100 * CONFIDENCE), soft_wrap=True)
+    for line in [*_daf_sentences(board, rows), *dae_sentences(board, rankings)]:
         console.print(line)
 
 
-def dae_verdicts(board: Scoreboard) -> list[Verdict]:
-    """Return what DAE says of each strategy whose mean DAF differs clearly from the first's."""
-    found = []
-    for strategy in board.strategies[1:]:
-        difference = board.difference(strategy)
-        if difference.clear:
-            dae = board.difference(strategy, "dae").mean
-            found.append(Verdict(strategy, difference, dae))
-    return found
-
-
-def dae_sentences(board: Scoreboard) -> list[str]:
-    """Say for which strategies DAE ranks as the simulated DAF does, and for which not."""
-    first, others = board.strategies[0], len(board.strategies) - 1
-    if not others:
+def dae_sentences(board: Scoreboard, rankings: Sequence[Ranking]) -> list[str]:
+    """Say what DAE can rank, and what it cannot."""
+    rows = board.rows()
+    if len(rows) == 1:
         return []
-    verdicts = dae_verdicts(board)
-    if not verdicts:
-        return [f"DAE has nothing to rank: no strategy's mean DAF differs clearly from {first}'s."]
-    right = [each.strategy for each in verdicts if each.right]
-    wrong = [
-        f"{each.strategy} (DAF {each.daf_difference.mean:+.3f}, DAE {each.dae_difference:+.3f})"
-        for each in verdicts
-        if not each.right
-    ]
-    lines = [
-        f"DAE puts {len(right)} of the {len(verdicts)} strategies with a clear difference in DAF "
-        f"on the right side of {first}" + (f": {', '.join(right)}." if right else ".")
-    ]
-    if wrong:
-        lines.append(f"It puts on the wrong side: {', '.join(wrong)}.")
-    worst = max(board.rows(), key=lambda row: row.dae_error)
-    lines.append(
-        f"It is furthest from the DAF for {worst.strategy}: rms error {worst.dae_error:.3f}, "
-        f"mean {worst.dae:.3f} for {worst.daf:.3f}."
-    )
-    if others > 1:
-        means = [board.values[name].mean(axis=(1, 2)) for name in ("dae", "daf")]
-        lines.append(
-            f"Rank correlation of mean DAE and mean DAF over the {others + 1} strategies: "
-            f"{rank_correlation(*means):.2f}."
-        )
+    of_all, *others = rankings
     # Eq. (15) is linear in the ramps, which a mirrored road has with the other sign.
+    lines = [
+        "The mean of Eq. (15) tells roads apart, not dampers: over a road and its mirror image it "
+        f"is the DAF of the smooth road, whatever the damper (on these roads, by "
+        f"their chance, tau {_tau(of_all)})."
+    ]
+    of_class = [each for each in others if each.estimate == CLASS_DAE]
+    if not of_class:
+        return [*lines, f"There is no DAE of second order: {_why_no_class(board)}."]
+    told = "; ".join(
+        f"on {each.roads} with tau {_tau(each)}"
+        + (f", {each.pairs.right} of {each.pairs.number} clear pairs" if each.pairs else "")
+        for each in of_class
+    )
+    lines.append(f"The class DAE, of ramps down and up, orders the strategies {told}.")
+    firsts = {name: min(board.class_rows(name), key=lambda row: row.dae) for name in board.surfaces}
+    lines += [_first_sentence(rows[0].strategy, firsts), _level_sentence(rows)]
     lines.append(
-        "Over a road and its mirror image the mean DAE is the DAF of the smooth road, whatever the "
-        "damper: mean DAEs tell the roads apart, not the dampers."
+        "It screens strategies and shows where along the bridge they gain; the judge is the "
+        "simulated DAF."
     )
     return lines
+
+
+def _tau(ranking: Ranking) -> str:
+    tau, low, high = ranking.agreement
+    if math.isnan(tau):
+        return "-"
+    return f"{tau:.2f}" + ("" if math.isnan(low) else f" [{low:.2f}, {high:.2f}]")
+
+
+def _why_no_class(board: Scoreboard) -> str:
+    classes = " and ".join(sorted(set(board.road_classes)))
+    return f"the roads are of class {classes}, whose unit ramp would be higher than long"
+
+
+def _first_sentence(best: str, firsts: dict[str, ClassRow]) -> str:
+    """Say which strategy comes first by class, and whether simulation has it so."""
+    other = [f"{row.strategy} on class {name}" for name, row in firsts.items()
+             if row.strategy != best]  # fmt: skip
+    if not other:
+        return f"Both the class DAE and the simulated DAF put {best} first."
+    return f"Simulation puts {best} first, the class DAE {', '.join(other)}."
+
+
+def _level_sentence(rows: Sequence[Row]) -> str:
+    """Say how far off DAEs are of single roads."""
+    known = [row for row in rows if not math.isnan(row.dae_2)]
+    if not known:
+        return "Some roads are of a class without a surface: they have no DAE of second order."
+    first, second = (
+        math.sqrt(sum(getattr(row, name) ** 2 for row in known) / len(known))
+        for name in ("dae_error", "dae_2_error")
+    )
+    worst = max(known, key=lambda row: abs(row.dae_2 - row.daf))
+    return (
+        f"On single roads its rms error is {second:.3f} ({first:.3f} of Eq. (15)); its level is "
+        f"furthest off for {worst.strategy}, mean {worst.dae_2:.3f} for a DAF of {worst.daf:.3f}."
+    )
 
 
 def _daf_sentences(board: Scoreboard, rows: Sequence[Row]) -> list[str]:
@@ -201,19 +225,45 @@ def _road_table(rows: Sequence[Row], first: str) -> Table:
     return table
 
 
-def _dae_table(board: Scoreboard, rows: Sequence[Row]) -> Table:
-    columns = ["strategy", "mean DAF", "mean DAE", "rms\nerror", "rank",
-               "DAF\ndifference", "DAE\ndifference", "sign"]  # fmt: skip
-    table = make_table("The dynamic amplification estimate (DAE)", columns, ["strategy", "sign"])
-    first = board.strategies[0]
-    signs = {each.strategy: "right" if each.right else "wrong" for each in dae_verdicts(board)}
+def _dae_table(rows: Sequence[Row], first: str) -> Table:
+    columns = ["strategy", "mean DAF", "Eq. (15)\nmean", "rms\nerror", "rank",
+               "second\norder", "rms\nerror"]  # fmt: skip
+    table = make_table("The dynamic amplification estimate (DAE)", columns, ["strategy"])
     for row in rows:
-        differences = [row.daf_difference.mean, board.difference(row.strategy, "dae").mean]
-        own = row.strategy == first
         table.add_row(
             row.strategy, f"{row.daf:.4f}", f"{row.dae:.4f}", f"{row.dae_error:.4f}",
-            "-" if math.isnan(row.dae_rank) else f"{row.dae_rank:.2f}",
-            *(["-", "-"] if own else map(_signed, differences)), signs.get(row.strategy, ""),
-            style="bold" if own else None,
+            _known(row.dae_rank, 2), _known(row.dae_2, 4), _known(row.dae_2_error, 4),
+            style="bold" if row.strategy == first else None,
         )  # fmt: skip
     return table
+
+
+def _known(value: float, digits: int) -> str:
+    return "-" if math.isnan(value) else f"{value:.{digits}f}"
+
+
+def _class_table(board: Scoreboard, names: Sequence[str]) -> Table:
+    columns = ["strategy"]
+    for name in names:
+        columns += [f"class {name}\nDAE", "spread", "DAF", "spread"]
+    table = make_table("The DAE over the road class", columns, ["strategy"])
+    for rows in zip(*(board.class_rows(name) for name in names), strict=True):
+        cells = [_known(value, 4) for row in rows for value in row[1:]]
+        own = rows[0].strategy == board.strategies[0]
+        table.add_row(rows[0].strategy, *cells, style="bold" if own else None)
+    return table
+
+
+def _ranking_table(rankings: Sequence[Ranking]) -> Table:
+    columns = ["roads", "estimate", "tau", "from\n(95 %)", "to\n(95 %)", "clear\npairs"]
+    table = make_table("How DAE orders the strategies", columns, ["roads", "estimate"])
+    for each in rankings:
+        pairs = "-" if each.pairs is None else f"{each.pairs.right} of {each.pairs.number}"
+        table.add_row(
+            each.roads, each.estimate, *(_known(value, 2) for value in each.agreement), pairs
+        )
+    return table
+
+
+def _by_two(names: Sequence[str]) -> list[Sequence[str]]:
+    return [names[i : i + 2] for i in range(0, len(names), 2)]

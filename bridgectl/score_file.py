@@ -28,7 +28,7 @@ if sys.platform != "win32":
     import fcntl
 
 FORMAT = "bridgectl score"
-VERSION = 2
+VERSION = 3
 """Version of the format: files of another one are refused."""
 
 START = b'{"check": "'

@@ -1,4 +1,4 @@
-"""The scoreboard: what `bridgectl.score` finds, its means over roads, and how sure they are."""
+"""The scoreboard: what `bridgectl.score` finds, and its means over roads."""
 
 from __future__ import annotations
 
@@ -10,10 +10,21 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl import __version__
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl.agreement import (
+    Agreement,
+    Paired,
+    Pairs,
+    agreement,
+    over_roads,
+    paired,
+    pairs_in_order,
+    rank_correlation,
+)
 from bridgectl.beam import Beam
 from bridgectl.quarter_car import QuarterCar
 
@@ -21,9 +32,12 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
+    from bridgectl.dae import RampSurface
+
 MEASURES = {
     "daf": "dynamic amplification factor [-]",
-    "dae": "dynamic amplification estimate [-]",
+    "dae": "dynamic amplification estimate, Eq. (15) [-]",
+    "dae_2": "dynamic amplification estimate of second order [-]",
     "dynamic_load_coefficient": "dynamic load coefficient [-]",
     "tire_force_95": "95th percentile of the tire force over the static load [-]",
     "road_stress": "mean fourth power of the tire force over the static load [-]",
@@ -35,34 +49,9 @@ MEASURES = {
 }
 """What is known of each strategy, road and speed."""
 
-CONFIDENCE = 0.95
 
-
-class Paired(NamedTuple):
-    """A mean difference between two strategies over the same roads, made by `paired`.
-
-    Attributes
-    ----------
-    mean : float
-        Mean over the roads, in the unit of the measure.
-    low, high : float
-        Ends of its 95 % confidence interval (Student's t); NaN for a single road. In the unit of
-        the measure.
-    """
-
-    mean: float
-    low: float
-    high: float
-
-    def __repr__(self) -> str:
-        return (
-            f"Paired({self.mean:.4g}, {CONFIDENCE:.0%} between {self.low:.4g} and {self.high:.4g})"
-        )
-
-    @property
-    def clear(self) -> bool:
-        """Whether the interval leaves out 0."""
-        return self.low > 0 or self.high < 0
+EQ_15, CLASS_DAE = "mean of Eq. (15)", "class DAE"
+"""What orders strategies."""
 
 
 class Row(NamedTuple):
@@ -84,6 +73,10 @@ class Row(NamedTuple):
     """Root mean square of DAE - DAF over roads and speeds."""
     dae_rank: float
     """Spearman's rank correlation of DAE and DAF over roads and speeds."""
+    dae_2: float
+    """DAE of second order [-]; NaN if a road's class has no surface."""
+    dae_2_error: float
+    """Root mean square of it - DAF over roads and speeds."""
     dynamic_load_coefficient: float
     """See `bridgectl.measures.dynamic_load_coefficient` [-]."""
     fourth_power_95: float
@@ -106,6 +99,34 @@ class Row(NamedTuple):
             f"{self.dynamic_load_coefficient:.4f}, body acceleration {self.body_acceleration:.3g} "
             f"m/s^2, travel up to {self.suspension_travel * 1e3:.3g} mm)"
         )
+
+
+class ClassRow(NamedTuple):
+    """One strategy over a road class, of a board made by `score`: means over the speeds."""
+
+    strategy: str
+    """Its name."""
+    dae: float
+    """Mean DAE of second order over the class, in closed form [-]."""
+    dae_spread: float
+    """Its standard deviation over the class, in closed form [-]."""
+    daf: float
+    """Mean simulated DAF of the roads of the class [-]."""
+    daf_spread: float
+    """Standard deviation of the simulated DAF over those roads [-]; NaN for a single road."""
+
+
+class Ranking(NamedTuple):
+    """How an estimate orders the strategies of a board made by `score`."""
+
+    estimate: str
+    """What it is."""
+    roads: str
+    """The roads of the simulation."""
+    agreement: Agreement
+    """Kendall's tau with the simulated values."""
+    pairs: Pairs | None
+    """Of the pairs that differ clearly in mean DAF, those in the right order; None of a spread."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +154,11 @@ class Scoreboard:
         Bridge and vehicle.
     approach : float
         Road before the bridge that is driven [m].
+    road_classes : tuple of str
+        Of each road, the ISO 8608 class whose ramps have the nearest standard deviation.
+    surfaces : mapping of str to tuple of RampSurface
+        By class, the surface of every strategy with ramps both ways of the class's height. None
+        of a class whose ramp is higher than long.
 
     Examples
     --------
@@ -157,6 +183,8 @@ class Scoreboard:
     beam: Beam = field(repr=False)
     vehicle: QuarterCar = field(repr=False)
     approach: float
+    road_classes: tuple[str, ...] = ()
+    surfaces: Mapping[str, tuple[RampSurface, ...]] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
         kmh = self.speeds * 3.6
@@ -204,6 +232,67 @@ class Scoreboard:
         rows = [self._row(i) for i in range(len(self.strategies))]
         return sorted(rows, key=lambda row: row.daf)
 
+    def class_rows(self, road_class: str) -> list[ClassRow]:
+        """Return what a road class does with each strategy, in the order of `rows`.
+
+        Parameters
+        ----------
+        road_class : str
+            One of the classes in `surfaces`.
+
+        Returns
+        -------
+        list of ClassRow
+
+        Raises
+        ------
+        ValueError
+            If there is no surface of the class.
+        """
+        check.choice("road_class", road_class, tuple(self.surfaces))
+        simulated = self.values["daf"][:, self._roads_of(road_class)]
+        means, spreads = over_roads(simulated), over_roads(simulated, "spread")
+        found = {}
+        for i, surface in enumerate(self.surfaces[road_class]):
+            dae = surface.class_dae(road_class)
+            found[self.strategies[i]] = ClassRow(
+                self.strategies[i], float(dae.mean.mean()), float(dae.sd.mean()),
+                float(means[i]), float(spreads[i]),
+            )  # fmt: skip
+        return [found[row.strategy] for row in self.rows()]
+
+    def rankings(self) -> list[Ranking]:
+        """Return how DAEs order the strategies, beside the simulated DAF: of all roads, by class.
+
+        Returns
+        -------
+        list of Ranking
+            Of all roads the mean DAE of Eq. (15); of each class that, the mean of second order
+            over the class and its spread, the latter beside the spread of the simulated DAF.
+        """
+        daf, dae = self.values["daf"], self.values["dae"]
+        found = [self._ranking(EQ_15, "all", dae, daf)]
+        for name in self.surfaces:
+            of_class = self._roads_of(name)
+            own, roads = daf[:, of_class], f"class {name}"
+            rows = {row.strategy: row for row in self.class_rows(name)}
+            mean, spread = np.array([rows[each][1:3] for each in self.strategies]).T
+            found.append(self._ranking(EQ_15, roads, dae[:, of_class], own))
+            found.append(self._ranking(CLASS_DAE, roads, mean, own))
+            if of_class.sum() > 1:
+                tau = agreement(spread, own, "spread")
+                found.append(Ranking("its spread, with that of the DAF", roads, tau, None))
+        return found
+
+    @staticmethod
+    def _ranking(estimate: str, roads: str, values: FloatArray, daf: FloatArray) -> Ranking:
+        means = over_roads(values) if values.ndim == 3 else values
+        pairs = pairs_in_order(means, daf.mean(axis=2))
+        return Ranking(estimate, roads, agreement(values, daf), pairs)
+
+    def _roads_of(self, road_class: str) -> NDArray[np.bool_]:
+        return np.array(self.road_classes) == road_class
+
     def _index(self, strategy: str) -> int:
         return self.strategies.index(check.choice("strategy", strategy, self.strategies))
 
@@ -220,6 +309,8 @@ class Scoreboard:
             float(own["dae"].mean()),
             float(np.sqrt(np.mean((own["dae"] - own["daf"]) ** 2))),
             rank_correlation(own["dae"].ravel(), own["daf"].ravel()),
+            float(own["dae_2"].mean()),
+            float(np.sqrt(np.mean((own["dae_2"] - own["daf"]) ** 2))),
             float(own["dynamic_load_coefficient"].mean()),
             float(self.fourth_power_95[i].mean()),
             float(own["body_acceleration"].mean()),
@@ -262,72 +353,35 @@ class Scoreboard:
             "summary": rows,
             "values": {name: values.tolist() for name, values in self.values.items()},
             "daf_smooth": self.daf_smooth.tolist(),
+            "road_classes": self.road_classes,
+            "class_dae": {name: self._class_content(name) for name in self.surfaces},
+            "rankings": [
+                {
+                    "estimate": each.estimate,
+                    "roads": each.roads,
+                    **each.agreement._asdict(),
+                    "clear_pairs": each.pairs and each.pairs._asdict(),
+                }
+                for each in self.rankings()
+            ],
             "fourth_power_95": self.fourth_power_95.tolist(),
         }
         return json.dumps(_without_nan(content), indent=1)
+
+    def _class_content(self, name: str) -> dict[str, Any]:
+        """What JSON has of a class: lists by strategy and speed."""
+        found = [surface.class_dae(name) for surface in self.surfaces[name]]
+        return {
+            "ramp_height_m": self.surfaces[name][0].ramp_height,
+            "mean": [each.mean.tolist() for each in found],
+            "standard_deviation": [each.sd.tolist() for each in found],
+        }
 
     def plot(self) -> Figure:
         """Return a figure of the scores: see `bridgectl.plots.score_figure`."""
         from bridgectl.plots import score_figure  # late, for it lies above this module
 
         return score_figure(self)
-
-
-def paired(differences: FloatArray) -> Paired:
-    """Return the mean of some differences with its confidence interval (Student's t).
-
-    Parameters
-    ----------
-    differences : ndarray, shape (n,)
-        One for each road, in the unit of the measure.
-
-    Returns
-    -------
-    Paired
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.scoreboard import paired
-    >>> found = paired(np.array([-0.04, -0.06, -0.05]))
-    >>> f"{found.mean:.3f}, {found.low:.3f} to {found.high:.3f}", found.clear
-    ('-0.050, -0.075 to -0.025', True)
-    """
-    from scipy.stats import t  # slow to load
-
-    n, mean = len(differences), float(differences.mean())
-    if n < 2:
-        return Paired(mean, math.nan, math.nan)
-    spread = float(differences.std(ddof=1)) / math.sqrt(n)
-    reach = float(t.ppf((1 + CONFIDENCE) / 2, n - 1)) * spread
-    return Paired(mean, mean - reach, mean + reach)
-
-
-def rank_correlation(first: FloatArray, second: FloatArray) -> float:
-    """Return Spearman's rank correlation; NaN where all values of one are the same.
-
-    Parameters
-    ----------
-    first, second : ndarray, shape (n,)
-        As `paired`: each in a unit of its own, since ranks alone count.
-
-    Returns
-    -------
-    float
-        -1 to 1, dimensionless.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.scoreboard import rank_correlation
-    >>> round(rank_correlation(np.array([1.0, 2.0, 3.0]), np.array([1.0, 4.0, 9.0])), 6)
-    1.0
-    """
-    from scipy.stats import spearmanr
-
-    if np.ptp(first) == 0 or np.ptp(second) == 0:
-        return math.nan
-    return float(spearmanr(first, second).statistic)
 
 
 def _without_nan(value: Any) -> Any:

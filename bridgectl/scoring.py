@@ -13,9 +13,10 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,14 @@ from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._progress import shows, track
 from bridgectl._threads import on_one_thread
 from bridgectl.beam import Beam
+from bridgectl.class_surfaces import (
+    class_part,
+    class_shapes,
+    class_surface,
+    classes_of,
+    n_class_ramps,
+    with_surface,
+)
 from bridgectl.crossing import Crossing
 from bridgectl.dae import RampSurface
 from bridgectl.dampers import Damper, Strategy
@@ -39,7 +48,7 @@ from bridgectl.quarter_car import QuarterCar
 from bridgectl.ramps import FeedbackHistories
 from bridgectl.road import RoadProfile
 from bridgectl.road.sampling import warn_if_coarse
-from bridgectl.score_file import Parts
+from bridgectl.score_file import Part, Parts, Shapes
 from bridgectl.scoreboard import MEASURES, Scoreboard
 from bridgectl.surface import RAMP_HEIGHT, RAMP_LENGTH, ramp_surface
 from bridgectl.weighting import weighted_rms
@@ -48,6 +57,11 @@ RECORDED = ("tire_force", "body_acceleration", "suspension_travel")
 
 ROADS_AT_ONCE = 50
 """Roads of one part of the work: what an interruption may cost, and memory for histories."""
+
+Piece = int | str
+"""A part of the work: the first of some roads, or a road class."""
+
+SIMULATED = tuple(name for name in MEASURES if not name.startswith("dae"))
 
 CELL = 0.25
 """Length of the places whose aggregate fourth power is taken [m]; longer than a sample's way."""
@@ -69,6 +83,26 @@ class _Study:
     @property
     def crossing(self) -> Crossing:
         return Crossing(self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery)
+
+    @property
+    def positions(self) -> FloatArray:
+        """Starts of the unit ramps [m]."""
+        return self.stations[: self.n_ramps]
+
+    @property
+    def under_ramps(self) -> FloatArray:
+        """Elevations at the ends of the unit ramps [m], (n_roads, n_ramps + 1)."""
+        return self.elevations[:, : self.n_ramps + 1]
+
+    @cached_property
+    def classes(self) -> tuple[str, ...]:
+        """Road classes that have a surface."""
+        return with_surface(classes_of(self.under_ramps), self.n_ramps)
+
+    @property
+    def pieces(self) -> list[Piece]:
+        """What is done at once of each strategy."""
+        return [*range(0, len(self.elevations), ROADS_AT_ONCE), *self.classes]
 
 
 def score(
@@ -160,36 +194,79 @@ def score(
     judge_range(vehicle, *devices)
     bare = replace(study.crossing, vehicle=bare_vehicle(vehicle))
     require_loop(
-        bare, devices, study.speeds, study.stations, len(roads), n_ramps=study.n_ramps,
+        bare, devices, study.speeds, study.stations, len(roads),
+        n_ramps=study.n_ramps + len(study.classes) * n_class_ramps(study.n_ramps),
         n_recorded=len(RECORDED), at_once=ROADS_AT_ONCE, announced=not shows(progress),
     )  # fmt: skip
-    names = tuple(device.strategy.name for device in devices)
-    labels = tuple(road.name or f"road {i}" for i, road in enumerate(roads, 1))
-    tasks = [
-        (f"{name}, roads {first + 1} to {min(first + ROADS_AT_ONCE, len(roads))}", i, first)
-        for i, name in enumerate(names)
-        for first in range(0, len(roads), ROADS_AT_ONCE)
-    ]
-    keys = [_key(devices[i], study) for i in range(len(devices))]
-    shapes = {(name, keys[i]): _shapes(study, first) for name, i, first in tasks}
-    with Parts(resume, _header(study), shapes) as parts:
-        todo = [task for task in tasks if (task[0], keys[task[1]]) not in parts]
-        jobs = [(study, devices[i], first) for _, i, first in todo]
-        with closing(_run(jobs, check.workers(workers, len(jobs)))) as found:
-            for index, part in track(found, "Scoring strategies", len(jobs), show=progress):
-                name, i, _ = todo[index]
-                parts.keep(name, keys[i], part)
-        done = [[parts[name, keys[i]] for name, i, _ in tasks if i == k] for k in range(len(names))]
-    values = {
-        measure: np.array([np.concatenate([p[measure] for p in own]) for own in done])
-        for measure in MEASURES
+    jobs = {
+        (_task(device, piece, len(roads)), _key(device, study, piece)): (study, device, piece)
+        for device in devices
+        for piece in study.pieces
     }
-    worst = np.array([np.concatenate([p["fourth_power_95"] for p in own]) for own in done])
+    shapes = {task: _shapes(study, piece) for task, (_, _, piece) in jobs.items()}
+    with Parts(resume, _header(study), shapes) as parts:
+        todo = [task for task in jobs if task not in parts]
+        workers = check.workers(workers, len(todo))
+        with closing(_run([jobs[task] for task in todo], workers)) as found:
+            for index, part in track(found, "Scoring strategies", len(todo), show=progress):
+                parts.keep(*todo[index], part)
+        done = {(job[1].strategy.name, job[2]): parts[task] for task, job in jobs.items()}
+    return _scoreboard(study, devices, roads, done)
+
+
+def _scoreboard(
+    study: _Study,
+    devices: Sequence[Damper],
+    roads: Sequence[RoadProfile],
+    done: Mapping[tuple[str, Piece], Part],
+) -> Scoreboard:
+    """Put the parts together, by strategy and piece."""
+    names = tuple(device.strategy.name for device in devices)
+    of_roads = [piece for piece in study.pieces if isinstance(piece, int)]
+    own = {
+        key: np.array([np.concatenate([done[name, i][key] for i in of_roads]) for name in names])
+        for key in (*SIMULATED, "fourth_power_95")
+    }
+    own |= {key: np.array([done[name, 0][key] for name in names]) for key in ("dae", "daf_smooth")}
+    surfaces = {
+        each: tuple(
+            class_surface(study.crossing, name, study.speeds, study.positions, each,
+                          done[name, each])
+            for name in names
+        )
+        for each in study.classes
+    }  # fmt: skip
+    of_road = classes_of(study.under_ramps)
+    own["dae_2"] = _second_order(surfaces, of_road, study.under_ramps, own["dae"].shape)
     return Scoreboard(
-        names, tuple(np.nan if d.constant is None else d.constant for d in devices), labels,
-        study.speeds, values, np.array([own[0]["daf_smooth"] for own in done]), worst,
-        beam, vehicle, approach,
+        names, tuple(np.nan if device.constant is None else device.constant for device in devices),
+        tuple(road.name or f"road {i}" for i, road in enumerate(roads, 1)), study.speeds,
+        {name: own[name] for name in MEASURES}, own["daf_smooth"], own["fourth_power_95"],
+        study.beam, study.vehicle, -float(study.stations[0]), of_road, surfaces,
     )  # fmt: skip
+
+
+def _second_order(
+    surfaces: Mapping[str, Sequence[RampSurface]],
+    of_road: Sequence[str],
+    elevations: FloatArray,
+    shape: tuple[int, ...],
+) -> FloatArray:
+    """DAE of second order by each road's own class; NaN where that has no surface."""
+    found = np.full(shape, np.nan)
+    for each, own in surfaces.items():
+        index = np.flatnonzero(np.array(of_road) == each)
+        for i, surface in enumerate(own):
+            found[i, index] = surface.dae(elevations[index], order=2)
+    return found
+
+
+def _task(device: Damper, piece: Piece, n_roads: int) -> str:
+    """What a piece of the work is called."""
+    what = f"class {piece}" if isinstance(piece, str) else (
+        f"roads {piece + 1} to {min(piece + ROADS_AT_ONCE, n_roads)}"
+    )  # fmt: skip
+    return f"{device.strategy.name}, {what}"
 
 
 def _listed(value: object) -> bool:
@@ -268,8 +345,8 @@ def _require_different(roads: Sequence[RoadProfile], elevations: FloatArray) -> 
 
 
 def _run(
-    jobs: Sequence[tuple[_Study, Damper, int]], workers: int
-) -> Generator[tuple[int, dict[str, Any]], None, None]:
+    jobs: Sequence[tuple[_Study, Damper, Piece]], workers: int
+) -> Generator[tuple[int, Part], None, None]:
     """Do the jobs, as many at once as there are workers; yield what is done, with its index."""
     if workers == 1:
         for index, job in enumerate(jobs):
@@ -318,59 +395,65 @@ def _deaf_to_ctrl_c() -> Iterator[None]:
             signal.raise_signal(number)
 
 
-def _numbered(index: int, *job: Any) -> tuple[int, dict[str, Any]]:
+def _numbered(index: int, *job: Any) -> tuple[int, Part]:
     return index, _part(*job)
 
 
 @on_one_thread  # as in workers: sums over threads differ in the last digits
-def _part(study: _Study, damper: Damper, first: int) -> dict[str, Any]:
-    """Score one strategy on some roads: arrays (roads, speeds) of every measure."""
-    elevations = study.elevations[first : first + ROADS_AT_ONCE]
-    ramps = np.arange(study.n_ramps if damper.kept is None else 0)
+def _part(study: _Study, damper: Damper, piece: Piece) -> Part:
+    """Score one strategy on a class, or on some roads: arrays (roads, speeds) of every measure."""
+    if isinstance(piece, str):
+        approach = -float(study.stations[0])
+        return class_part(study.crossing, damper, study.speeds, approach, piece)
+    elevations = study.elevations[piece : piece + ROADS_AT_ONCE]
+    ramps = np.arange(study.n_ramps if piece == 0 and damper.kept is None else 0)
     run = ramps_and_roads(
         study.crossing, damper, study.speeds, study.stations, ramps,
         np.full(ramps.size, RAMP_HEIGHT), elevations, RECORDED,
     )  # fmt: skip
-    if damper.kept is not None:  # its surface is exact, and quick
+    found = run.roads
+    duration = (study.stations[-1] - study.stations[0]) / study.speeds
+    part = {
+        "daf": found.daf.T,
+        "least_force": found.least_force.T,
+        "switching_rate": (found.switches / duration[:, np.newaxis]).T,
+        **_measure(study, damper, run),
+    }
+    return part if piece else part | _first_order(study, damper, run)
+
+
+def _first_order(study: _Study, damper: Damper, run: RampsAndRoads) -> Part:
+    """DAE of all roads, which comes with the first of them, and DAF of the smooth one."""
+    if damper.kept is None:
+        surface = _surface(study, damper, run)
+    else:  # exact, and quick
         surface = ramp_surface(
             study.beam, study.vehicle, study.speeds, approach=-float(study.stations[0]),
             section=study.section, recovery=study.recovery, damper=damper,
         )  # fmt: skip
-    else:
-        surface = _surface(study, damper, run)
-    found = run.roads
-    duration = (study.stations[-1] - study.stations[0]) / study.speeds
-    return {
-        "dae": surface.dae(elevations[:, : study.n_ramps + 1]),
-        "daf": found.daf.T,
-        "least_force": found.least_force.T,
-        "switching_rate": (found.switches / duration[:, np.newaxis]).T,
-        "daf_smooth": surface.daf_smooth,
-        **_measure(study, damper, run),
-    }
+    return {"dae": surface.dae(study.under_ramps), "daf_smooth": surface.daf_smooth}
 
 
-def _shapes(study: _Study, first: int) -> dict[str, tuple[int, ...]]:
+def _shapes(study: _Study, piece: Piece) -> Shapes:
     """Names and shapes of what `_part` returns."""
-    n_roads, n_speeds = len(study.elevations[first : first + ROADS_AT_ONCE]), len(study.speeds)
-    return {
-        **dict.fromkeys(MEASURES, (n_roads, n_speeds)),
-        "daf_smooth": (n_speeds,),
-        "fourth_power_95": (n_roads,),
-    }
+    n_roads, n_speeds = len(study.elevations), len(study.speeds)
+    if isinstance(piece, str):
+        return class_shapes(n_speeds, study.n_ramps)
+    own = min(ROADS_AT_ONCE, n_roads - piece)
+    shapes = {**dict.fromkeys(SIMULATED, (own, n_speeds)), "fourth_power_95": (own,)}
+    return shapes if piece else shapes | {"dae": (n_roads, n_speeds), "daf_smooth": (n_speeds,)}
 
 
 def _surface(study: _Study, damper: Damper, run: RampsAndRoads) -> RampSurface:
     """The ramp surface of a run."""
     return RampSurface(
         study.beam, study.vehicle, study.section, study.recovery, "moment",
-        -float(study.stations[0]), RAMP_LENGTH, RAMP_HEIGHT, study.speeds,
-        study.stations[: study.n_ramps], run.smooth, run.unit,
-        FeedbackHistories(damper.strategy.name),
+        -float(study.stations[0]), RAMP_LENGTH, RAMP_HEIGHT, study.speeds, study.positions,
+        run.smooth, run.unit, FeedbackHistories(damper.strategy.name),
     )  # fmt: skip
 
 
-def _measure(study: _Study, damper: Damper, run: RampsAndRoads) -> dict[str, FloatArray]:
+def _measure(study: _Study, damper: Damper, run: RampsAndRoads) -> Part:
     """Measures of the histories: arrays (roads, speeds), and the roads' fourth power."""
     load = study.vehicle.linear.static_loads[0]
     columns: dict[str, list[FloatArray]] = {
@@ -409,8 +492,8 @@ def _header(study: _Study) -> dict[str, Any]:
     }
 
 
-def _key(damper: Damper, study: _Study) -> str:
-    """Tell a damper and the roads from others: their text, shortened."""
+def _key(damper: Damper, study: _Study, piece: Piece) -> str:
+    """Tell a damper, and the roads if the piece is of them, from others: their text, shortened."""
     ends = [damper.strategy.for_speed(float(c)) for c in study.speeds[[0, -1]]]
     text = json.dumps(
         [
@@ -421,5 +504,6 @@ def _key(damper: Damper, study: _Study) -> str:
         ]
     )
     whole = hashlib.sha256(text.encode())
-    whole.update(np.ascontiguousarray(study.elevations).tobytes())
+    if not isinstance(piece, str):
+        whole.update(np.ascontiguousarray(study.elevations).tobytes())
     return whole.hexdigest()[:16]

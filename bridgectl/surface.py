@@ -167,7 +167,7 @@ def ramp_surface(
         daf_smooth = find_peaks(histories.smooth.T).values
         ramps = np.array([[histories.peaks(i, h) for i in range(c.size)] for h in heights])
         ramps = ramps[..., places]
-    daf_unit, *daf_rise = _between(positions, positions[places], ramps)
+    daf_unit, *daf_rise = between(positions, positions[places], ramps)
     return RampSurface(
         beam, vehicle, section, recovery, effect, before, length, height, c, positions,
         daf_smooth, daf_unit, histories, daf_rise[0] if both_ways else None, every,
@@ -178,7 +178,7 @@ def _height(given: float | str, length: float, n_ramps: int) -> float:
     """Height of the unit ramp [m], of a road class that of one ramp for all of them."""
     if isinstance(given, str) and given.isalpha():
         _checks.choice("ramp_height, if no height [m],", given, tuple(CLASSES))
-        height = float(np.sqrt(n_ramps * ramp_covariance(given, 1, length)[0]))
+        height = class_height(given, length, n_ramps)
     else:
         height = _checks.positive("ramp_height", given, unit="m")
     if height > length:
@@ -189,7 +189,12 @@ def _height(given: float | str, length: float, n_ramps: int) -> float:
     return height
 
 
-def _between(positions: FloatArray, places: FloatArray, dafs: FloatArray) -> FloatArray:
+def class_height(road_class: str, length: float, n_ramps: int) -> float:
+    """Height of one ramp that has the variance of all drops over the ramps of a class [m]."""
+    return float(np.sqrt(n_ramps * ramp_covariance(road_class, 1, length)[0]))
+
+
+def between(positions: FloatArray, places: FloatArray, dafs: FloatArray) -> FloatArray:
     """DAFs (..., n_places) at all positions, on straight lines between the places."""
     if len(places) == len(positions):
         return dafs

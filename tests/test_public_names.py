@@ -22,9 +22,10 @@ import pytest
 
 import bridgectl as bc
 from bridgectl import dampers, measures, paper, passive_theory
+from bridgectl.agreement import Agreement, Paired, Pairs
 from bridgectl.extremes import equal_roughness_pair, extreme_road
 from bridgectl.road import PsdFit, bump
-from bridgectl.scoreboard import MEASURES, Paired, Scoreboard
+from bridgectl.scoreboard import MEASURES, ClassRow, Ranking, Scoreboard
 from bridgectl.validation import Case, ValidationResults, WarningLight
 
 WITH_ALL = ("bridgectl", *(f"bridgectl.{m}" for m in ("dampers", "extremes", "plots", "road")))
@@ -43,6 +44,16 @@ OFFERED = {
         "road_stress_factor",
         "switching_count",
     ],
+    "bridgectl.agreement": [
+        "Agreement",
+        "Paired",
+        "Pairs",
+        "agreement",
+        "over_roads",
+        "paired",
+        "pairs_in_order",
+        "rank_correlation",
+    ],
     "bridgectl.paper": ["PaperResults", "Row", "paper_results"],
     "bridgectl.passive_theory": [
         "InvariantFrequencies",
@@ -53,7 +64,7 @@ OFFERED = {
         "variances",
         "white_velocity",
     ],
-    "bridgectl.scoreboard": ["Paired", "Row", "paired", "rank_correlation"],
+    "bridgectl.scoreboard": ["ClassRow", "Ranking", "Row"],
     "bridgectl.validation": ["Case", "Peak", "ValidationResults", "WarningLight", "validate"],
     "bridgectl.weighting": ["weighted_acceleration", "weighted_rms", "weighting_filter"],
 }
@@ -253,7 +264,7 @@ def test_every_function_and_class_has_an_example(name):
 
 
 QUANTITY = re.compile(r"\d (m|N|kg|s|Hz|J|mm|ms|m/s|m/km|km/h|cycles/m|kN|1/\(N s\))\b")
-DIMENSIONLESS_CLASSES = (Paired, WarningLight)
+DIMENSIONLESS_CLASSES = (Agreement, ClassRow, Paired, Pairs, Ranking, WarningLight)
 
 
 @pytest.fixture(scope="module")
@@ -275,6 +286,7 @@ def things(bridge, truck):
     )  # fmt: skip
     result = paper.Row("critical speed", "km/h", 105.0, 104.0)
     light = WarningLight(0.02, 100, 10, 8, 7)
+    order = Agreement(0.8, 0.7, 0.9), Pairs(41, 44)
     return [
         bridge, truck, truck.linear, bc.Crossing(bridge, truck, 25.0), road, surface, board,
         *[board.rows()[0], board.difference("skyhook"), bc.dae_trust(surface, road)],
@@ -288,6 +300,7 @@ def things(bridge, truck):
         passive_theory.variances(truck, "A", speeds),
         passive_theory.invariant_frequencies(truck), result,
         paper.PaperResults((result,), surface, surface),
+        *order, ClassRow("skyhook", 1.1, 0.1, 1.2, 0.1), Ranking("class DAE", "all", *order),
         case, case.daf_peak, light, ValidationResults((road,), surface.speeds, (case,), light),
     ]  # fmt: skip
 

@@ -1,5 +1,6 @@
 """The figure of a scoreboard."""
 
+import dataclasses
 import itertools
 
 import numpy as np
@@ -37,10 +38,12 @@ def figure(board):
 
 def test_every_axis_has_its_unit(figure):
     assert [axes.get_xlabel() for axes in figure.axes] == [
-        "mean DAF [-]", "mean DAF [-]", "speed [km/h]", "speed [km/h]",
+        "mean DAF [-]", "mean DAF [-]", "speed [km/h]", "mean DAF [-]",
+        "x from the start of the bridge [m]",
     ]  # fmt: skip
     assert [axes.get_ylabel() for axes in figure.axes] == [
-        "body acceleration, rms [m/s²]", "dynamic load coefficient [-]", "mean DAF, DAE [-]", "",
+        "body acceleration, rms [m/s²]", "dynamic load coefficient [-]", "mean DAF [-]",
+        "mean DAE [-]", "added to the DAF by a metre of road [0.001/m]",
     ]  # fmt: skip
 
 
@@ -77,8 +80,12 @@ def test_labels_cover_neither_each_other_nor_leave_the_axes(figure):
             assert not first.overlaps(second)
 
 
-@pytest.mark.parametrize(("panel", "measure"), [(2, "daf"), (3, "dae")])
-def test_speeds_are_in_order_and_values_are_means_over_roads(figure, board, panel, measure):
+@pytest.mark.parametrize(
+    ("surfaces", "panel", "measure"), [(1, 2, "daf"), (0, 2, "daf"), (0, 3, "dae")]
+)
+def test_speeds_are_in_order_and_values_are_means_over_roads(board, surfaces, panel, measure):
+    """Without surfaces Eq. (15) is drawn over the speeds, too."""
+    figure = score_figure(board if surfaces else dataclasses.replace(board, surfaces={}))
     lines = {line.get_label(): line for line in figure.axes[panel].lines}
     assert list(lines) == list(board.strategies)
     for i, line in enumerate(lines.values()):
@@ -98,4 +105,29 @@ def test_the_legend_tells_the_first_strategy_and_the_best(figure, board):
 def test_few_strategies_at_one_speed_can_be_drawn(strategies, tmp_path):
     figure = make_board(strategies, [80]).plot()
     figure.savefig(tmp_path / "score.png")
-    assert len(figure.axes) == 4
+    assert len(figure.axes) == 5
+
+
+def test_every_strategy_has_its_class_dae_and_its_mean_of_eq_15(figure, board):
+    """Full and hollow, over the simulated mean DAF."""
+    drawn = [
+        line for line in figure.axes[3].lines if line.get_marker() == "o" and len(line.get_xdata())
+    ]
+    points = {(line.get_mfc() != "white", *line.get_xydata()[0]) for line in drawn}
+    rows = board.class_rows("A")
+    first = {row.strategy: row.dae for row in board.rows()}
+    expected = {(True, row.daf, row.dae) for row in rows}
+    expected |= {(False, row.daf, first[row.strategy]) for row in rows}
+    assert np.array(sorted(points)) == pytest.approx(np.array(sorted(expected)), abs=1e-12)
+
+
+def test_the_area_of_a_strategy_is_what_the_class_adds_to_its_smooth_daf(figure, board):
+    """The sum over the drawn places, a metre apart, is near that over all."""
+    best = board.rows()[0].strategy
+    line = next(line for line in figure.axes[4].lines if line.get_label() == best)
+    i = board.strategies.index(best)
+    added = board.class_rows("A")[0].dae - board.daf_smooth[i].mean()
+    assert np.trapezoid(1e-3 * line.get_ydata(), line.get_xdata()) == pytest.approx(added, abs=2e-4)
+    assert {line.get_label() for line in figure.axes[4].lines[:-1]} == {
+        best, board.strategies[0], board.rows()[-1].strategy,
+    }  # fmt: skip

@@ -41,7 +41,7 @@ def require_loop(
     speeds, stations : ndarray
         Speeds [m/s] and stations of the roads [m].
     n_roads, n_ramps, n_recorded : int
-        Roads, unit ramps beside them, and histories that are kept of the roads.
+        Roads, unit ramps beside them (once), and histories that are kept of the roads.
     at_once : int, optional
         Roads of one run; by default all.
     announced : bool
@@ -70,12 +70,12 @@ def require_loop(
         steps = rounds * np.ceil(sample_time / longest)
         steps += way / spacing
         together = min(roads, roads if at_once is None else at_once)
-        columns = speeds * (together + n_ramps / 2)  # a ramp counts from where it begins
-        seconds = steps * (STEP_SECONDS + ROAD_SECONDS * columns * n / 10)
+        runs = max(1.0, roads / together)
+        columns = speeds * (roads + n_ramps / 2)  # a ramp counts from where it begins
+        seconds = steps * (STEP_SECONDS * runs + ROAD_SECONDS * columns * n / 10)
         recorded = 2 * n_recorded * together * rounds
         at_work = 3 * (together + n_ramps) * (n + 20)
         memory = 8 * speeds * (6 * rounds + 3 * steps + recorded + at_work)
-        runs = len(dampers) * max(1.0, roads / together)
-        return Work(memory + 16 * roads * way / spacing, seconds * runs)
+        return Work(memory + 16 * roads * way / spacing, seconds * len(dampers))
 
     require_feasible(work, arguments, announced=announced)

@@ -1,7 +1,8 @@
-"""The figure of a scoreboard: bridge against ride and road, and DAF and DAE against speed."""
+"""The figure of a scoreboard: bridge against ride and road, DAF over speed, and the DAE beside."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from bridgectl._checks import FloatArray
 from bridgectl.scoreboard import Scoreboard
 
 from .labels import label_points
+from .score_dae import draw_class_dae, draw_gains
 from .style import BLACK, BLUE, GREY, SPEED_LABEL, TRACKS, VERMILLION, styled
 
 DAF_LABEL = "mean DAF [-]"
@@ -40,8 +42,10 @@ def score_figure(board: Scoreboard) -> Figure:
     """Draw what strategies do to a bridge, against what they do to ride and road.
 
     Above: mean DAF of each strategy against body acceleration and dynamic load coefficient, with
-    the line of the constant dampers. Below: mean DAF and mean DAE over the roads against speed.
-    The first strategy and the best are marked, the others grey.
+    the line of the constant dampers. Below: mean DAF over the speed; DAEs over the mean DAF, of
+    each road class and by Eq. (15); and where along the road ramps of both signs raise or lower
+    the DAF for the best, the first and the worst strategy: the area under a line is what the class
+    adds to the DAF of a smooth road. If no class has a surface: Eq. (15) over the speed instead.
 
     Parameters
     ----------
@@ -66,25 +70,30 @@ def score_figure(board: Scoreboard) -> Figure:
     ...     [passive(7e3), passive(1e3)], bc.li2006.beam(), bc.li2006.car(),
     ...     [bc.iso8608_profile("A", 35, seed=0, start=-10)], 25.0, approach=10, workers=1)
     >>> [axes.get_xlabel() for axes in score_figure(board).axes]
-    ['mean DAF [-]', 'mean DAF [-]', 'speed [km/h]', 'speed [km/h]']
+    ['mean DAF [-]', 'mean DAF [-]', 'speed [km/h]', 'mean DAF [-]', 'x from the start of the \
+bridge [m]']
     """
-    figure = Figure(figsize=(11.0, 9.8))
+    figure = Figure(figsize=(11.5, 9.8))
     looks = _looks(board)
     # Labels are placed beside points, so that no layout may move the axes afterwards.
     above = figure.subplots(1, 2, gridspec_kw={
         "left": 0.07, "right": 0.985, "top": 0.955, "bottom": 0.54, "wspace": 0.17})  # fmt: skip
-    below = figure.subplots(1, 2, sharey=True, gridspec_kw={
-        "left": 0.07, "right": 0.985, "top": 0.38, "bottom": 0.06, "wspace": 0.08})  # fmt: skip
+    below = figure.subplots(1, 3 if board.surfaces else 2, gridspec_kw={
+        "left": 0.07, "right": 0.985, "top": 0.38, "bottom": 0.06, "wspace": 0.27})  # fmt: skip
     for ax, (measure, label) in zip(above, (RIDE, TIRE_FORCE), strict=True):
         _draw_points(ax, board, measure, looks)
         ax.set_ylabel(label)
     above[0].set_title("bridge and ride: lower left is better")
     above[1].set_title("bridge and tire force: lower left is better")
-    for ax, measure in zip(below, ("daf", "dae"), strict=True):
-        _draw_speeds(ax, board, measure, looks)
+    _draw_speeds(below[0], board, "daf", looks)
     below[0].set_title("simulated DAF, mean over the roads")
-    below[1].set_title("DAE from each strategy's own unit ramps, mean over the roads")
-    below[0].set_ylabel("mean DAF, DAE [-]")
+    below[0].set_ylabel("mean DAF [-]")
+    if board.surfaces:
+        _draw_second_order(below[1:], board, looks)
+    else:
+        _draw_speeds(below[1], board, "dae", looks)
+        below[1].set_title("DAE by Eq. (15), mean over the roads")
+        below[1].set_ylabel("mean DAE [-]")
     handles = [
         Line2D([], [], color=look.color, marker=look.marker, lw=look.width, ms=_size(look),
                label=f"{name}: {look.role}")
@@ -97,6 +106,15 @@ def score_figure(board: Scoreboard) -> Figure:
     figure.legend(handles=handles, loc="center", bbox_to_anchor=(0.52, 0.455), ncols=3,
                   fontsize=9.5)  # fmt: skip
     return figure
+
+
+def _draw_second_order(axes: Sequence[Axes], board: Scoreboard, looks: dict[str, _Look]) -> None:
+    draw_class_dae(axes[0], board, {name: look.color for name, look in looks.items()})
+    axes[0].set_title("DAE beside simulated DAF")
+    rows, roughest = board.rows(), max(board.surfaces)
+    told = dict.fromkeys([rows[0].strategy, board.strategies[0], rows[-1].strategy])
+    draw_gains(axes[1], board, roughest, {name: looks[name].color for name in told})
+    axes[1].set_title(f"where ramps of class {roughest} act on the bridge")
 
 
 def _looks(board: Scoreboard) -> dict[str, _Look]:
