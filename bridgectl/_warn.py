@@ -15,7 +15,8 @@ HERE = Path(__file__).parent
 COMMAND_LINE = tuple(str(HERE / f"{name}.py") for name in ("cli", "cli_score", "options"))
 """Modules that call the package as a user does."""
 
-OWN = (__file__, str(HERE / "_plausible.py"), str(HERE / "_threads.py"))
+PASSING = ("_plausible.py", "_threads.py", "plots/style.py")
+OWN = (__file__, *(str(HERE / file) for file in PASSING))
 PLUMBING = ("dataclasses", "functools", "contextlib", "copy")
 """Modules that pass calls on; so does the `__init__` that `dataclass` generates."""
 

@@ -1,4 +1,4 @@
-"""The dynamic amplification estimate over a class of random roads, in closed form."""
+"""The dynamic amplification estimate over a class of random roads."""
 
 from __future__ import annotations
 
@@ -24,18 +24,31 @@ class ClassDae:
     mean, sd : ndarray, shape (n_speeds,)
         Mean and standard deviation over the roads [-].
     order : int
-        2 with ramps both ways, else 1: the mean is then that of a smooth road.
+        2 with ramps both ways, else 1: the mean in closed form is then that of a smooth road.
+    mirror_pairs : int
+        0 if `mean` is in closed form, as `sd` always is. Else the number of roads that were
+        simulated, each with its mirror image, and `mean` is the mean of their DAFs and no estimate
+        by DAE.
+    standard_error : ndarray, shape (n_speeds,), or None
+        Standard error of a simulated mean, the pairs being independent [-].
     """
 
     speeds: FloatArray
     mean: FloatArray
     sd: FloatArray
     order: int
+    mirror_pairs: int = 0
+    standard_error: FloatArray | None = None
 
     def __repr__(self) -> str:
+        how, error = "", ""
+        if self.standard_error is not None:
+            how = f" simulated on {self.mirror_pairs} mirror pairs of roads"
+            error = f" (standard error up to {self.standard_error.max():.4f})"
         return (
-            f"ClassDae(order {self.order}, {self.speeds.size} speeds, mean from "
-            f"{self.mean.min():.4f} to {self.mean.max():.4f}, sd up to {self.sd.max():.4f})"
+            f"ClassDae(order {self.order}, {self.speeds.size} speeds, mean{how} from "
+            f"{self.mean.min():.4f} to {self.mean.max():.4f}{error}, sd up to "
+            f"{self.sd.max():.4f})"
         )
 
     def percentile(self, percent: ArrayLike) -> FloatArray:

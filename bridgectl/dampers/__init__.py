@@ -11,6 +11,7 @@ from .optimal import Clairvoyant, clairvoyant
 from .peak_value import PeakValue, peak_value
 from .preset import preset
 from .program import program
+from .ramp_heights import RampHeights, ramp_heights
 from .result import LoopResult
 from .strategy import SIGNALS, Strategy
 from .tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
@@ -23,6 +24,7 @@ __all__ = [
     "Damper",
     "LoopResult",
     "PeakValue",
+    "RampHeights",
     "Strategy",
     "add",
     "bridgehook",
@@ -39,6 +41,7 @@ __all__ = [
     "peak_value",
     "preset",
     "program",
+    "ramp_heights",
     "selective_groundhook",
     "sh_add",
     "simulate_loop",

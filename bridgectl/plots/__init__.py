@@ -7,6 +7,7 @@ The functions return axes or figures and leave `matplotlib.pyplot` alone: save w
 from .animation import crossing_animation
 from .bridge import dae_figure, lines_plot, paper_figure, smooth_daf_plot, surface_plot
 from .effects import effects_figure
+from .ramp_heights import ramp_height_figure
 from .roads import pair_figure, profile_figure, psd_plot
 from .scores import score_figure
 from .validation import validation_figure
@@ -20,6 +21,7 @@ __all__ = [
     "paper_figure",
     "profile_figure",
     "psd_plot",
+    "ramp_height_figure",
     "score_figure",
     "smooth_daf_plot",
     "surface_plot",

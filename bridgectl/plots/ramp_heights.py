@@ -1,0 +1,146 @@
+"""The DAF against the height of one ramp, with the DAE of first and second order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bridgectl._plausible import judge_crossing
+from bridgectl.crossing import Crossing
+
+from .style import BLACK, BLUE, GREY, SKY, VERMILLION, styled
+
+if TYPE_CHECKING:
+    from bridgectl.beam import Beam
+    from bridgectl.dampers import Damper, RampHeights, Strategy
+    from bridgectl.quarter_car import QuarterCar
+
+IN_A_ROW = 3
+"""Panels side by side."""
+
+
+@styled
+def ramp_height_figure(
+    beam: Beam,
+    vehicle: QuarterCar,
+    dampers: Sequence[Damper | Strategy],
+    speed: float,
+    place: float,
+    *,
+    approach: float = 60.0,
+    largest: float = 0.02,
+    ramp_height: float | str = "A",
+) -> Figure:
+    """Draw the DAF of one ramp over its height, and what the DAE of both orders makes of it.
+
+    One panel for each damper: the simulated DAF of a ramp that falls or rises, Eq. (15), which is
+    the straight line of a 1 mm drop, and the DAE of order 2, the parabola through the smooth road
+    and the points u+ and u- of a drop and a rise of height h. The even part e, what drop and rise
+    have in common, is marked on the smooth road.
+
+    Parameters
+    ----------
+    beam, vehicle, speed, place, approach, largest, ramp_height
+        See `bridgectl.dampers.ramp_heights`, whose numbers are drawn.
+    dampers : sequence of Damper or Strategy
+        The dampers in place of the vehicle's own.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `dampers` is no list of dampers, or another argument is not as `ramp_heights` wants it.
+
+    Warns
+    -----
+    PlausibilityWarning, LiftOffWarning
+        As `ramp_heights`.
+
+    Examples
+    --------
+    A typical place and speed: bridgehook has larger even effects at half of all, and smaller ones.
+
+    >>> import bridgectl as bc
+    >>> from bridgectl.dampers import bridgehook, passive
+    >>> from bridgectl.plots import ramp_height_figure
+    >>> beam, car = bc.li2006.beam(), bc.li2006.car()
+    >>> laws = [passive(7e3), bridgehook(beam, car, 1e3, 30e3)]
+    >>> figure = ramp_height_figure(beam, car, laws, 25.0, -35.0)
+    >>> [axes.get_title(loc="left").splitlines()[0] for axes in figure.axes]
+    ['passive 7 kN s/m', 'bridgehook']
+    """
+    from bridgectl.dampers import ramp_heights  # late, for it lies above this module
+
+    given: object = dampers
+    if not isinstance(given, list | tuple) or not given:
+        raise TypeError(
+            f"dampers must be a list of one or more, got {given!r:.60}: type for example "
+            "[bridgectl.dampers.passive(7e3)]"
+        )
+    found = [
+        ramp_heights(
+            beam, vehicle, damper, speed, place,
+            approach=approach, largest=largest, ramp_height=ramp_height,
+        )
+        for damper in dampers
+    ]  # fmt: skip
+    judge_crossing(Crossing(beam, vehicle, found[0].speed), found[0].speed)
+    rows, columns = -(-len(found) // IN_A_ROW), min(len(found), IN_A_ROW)
+    figure = Figure(figsize=(1.2 + 4.4 * columns, 0.9 + 3.7 * rows), layout="constrained")
+    grid = figure.add_gridspec(rows, columns)
+    first: Axes | None = None
+    for k, one in enumerate(found):
+        panel = figure.add_subplot(grid[divmod(k, columns)], sharey=first)
+        first = first or panel
+        _draw(panel, one)
+        if k % columns == 0:
+            panel.set_ylabel("dynamic amplification DAF, DAE [-]")
+        else:
+            panel.tick_params(labelleft=False)
+    one = found[0]
+    figure.suptitle(
+        f"one ramp over 0.1 m at x = {one.place:.4g} m from the start of the bridge, "
+        f"{one.speed * 3.6:.4g} km/h"
+    )
+    handles = {
+        label: line
+        for panel in figure.axes
+        for line, label in zip(*panel.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def _draw(ax: Axes, found: RampHeights) -> None:
+    """One damper: simulated DAF, both estimates, and the points that the second one meets."""
+    mm, h = 1e3 * found.heights, 1e3 * found.ramp_height
+    rise, smooth, drop = np.interp([-h, 0, h], mm, found.daf)
+    odd, even = (drop - rise) / 2, (drop + rise) / 2 - smooth
+    ax.axhline(smooth, color=GREY, ls=":", lw=1.6, label="DAF, smooth road")
+    ax.plot(mm, found.daf, color=SKY, lw=5.0, solid_capstyle="round", label="simulated DAF")
+    if found.lift_off.any():
+        flying = found.lift_off
+        ax.plot(mm[flying], found.daf[flying], "x", color=GREY, ms=5, label="tire leaves the road")
+    ax.plot(
+        mm, found.second_order, color=BLUE, lw=1.8,
+        label="DAE of order 2: parabola through $u_-$, smooth, $u_+$",
+    )  # fmt: skip
+    ax.plot(
+        mm, found.first_order, "--", color=VERMILLION, lw=1.8,
+        label="DAE, Eq. (15): line of a 1 mm drop",
+    )  # fmt: skip
+    ax.plot([-h, h], [rise, drop], color=GREY, lw=0.9)
+    ax.plot([0, 0], [smooth, smooth + even], color=BLACK, lw=2.4, label="even part e")
+    ax.plot([-h, 0, h], [rise, smooth, drop], "o", color=BLACK, ms=5.5)
+    for x, y, text in ((-h, rise, "$u_-$"), (h, drop, "$u_+$")):
+        ax.annotate(text, (x, y), (0, -9), textcoords="offset points", ha="center", va="top")
+    ax.set_title(f"{found.damper}\nodd part o = {odd:+.4f}, even part e = {even:+.4f}")
+    ax.set_xlabel("height of the ramp, positive for a drop [mm]")
+    ax.margins(x=0.02)
