@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,6 +17,7 @@ from bridgectl.options import (
     add_file_options,
     add_place_options,
     add_vehicle_options,
+    add_work_options,
     as_number,
     as_whole,
     check_output,
@@ -29,6 +29,7 @@ from bridgectl.options import (
     parse_speeds,
     place_road,
     refuse_file_options,
+    resumed,
     save_figure,
     tell_drawn,
     working,
@@ -95,14 +96,7 @@ def add_score_options(parser: argparse.ArgumentParser) -> None:
     _add_damper_options(parser)
     add_bridge_options(parser)
     add_vehicle_options(parser)
-    work = parser.add_argument_group("work")
-    work.add_argument(
-        "--resume", metavar="FILE", type=Path,
-        help="keep what is done in FILE, and go on from what it holds",
-    )  # fmt: skip
-    work.add_argument(
-        "--workers", type=as_whole, metavar="N", help="processes (default: one for each core)"
-    )
+    add_work_options(parser.add_argument_group("work"))
 
 
 def _add_damper_options(parser: argparse.ArgumentParser) -> None:
@@ -138,20 +132,12 @@ def run_score(args: argparse.Namespace) -> None:
     beam, vehicle = make_beam(args), make_vehicle(args)
     dampers = _dampers(args, beam, vehicle)
     roads = _roads(args, beam.length)
-    try:
+    with resumed(args.resume):
         board = bc.score(
             dampers, beam, vehicle, roads, speeds, approach=args.approach,
             departure=args.departure, section=args.section, recovery=args.recovery,
             resume=args.resume, workers=args.workers,
         )  # fmt: skip
-    except KeyboardInterrupt:
-        if args.resume is not None:
-            print(
-                f"bridgectl: interrupted: {args.resume} keeps what is done, the same command "
-                "goes on from there",
-                file=sys.stderr,
-            )
-        raise
     if args.plot is not None:
         with working("drawing"):
             save_figure(board.plot(), args.plot)

@@ -6,6 +6,9 @@ import argparse
 import io
 import os
 import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -110,7 +113,46 @@ def add_validation_options(parser: argparse.ArgumentParser) -> None:
         "--spans", default="15,25,35", metavar="A,B,C",
         help="spans [m], odd, 9 to 35 (default 15,25,35)",
     )  # fmt: skip
-    _add_speeds(parser, "50:150:1")
+    parser.add_argument(
+        "--speeds", metavar="A:B:D",
+        help="speeds [km/h], from A to B in steps of D, or a list A,B,C (default 50:150:1; of "
+        "dampers 60:120:5)",
+    )  # fmt: skip
+    dampers = parser.add_argument_group("dampers")
+    dampers.add_argument(
+        "--dampers", action="store_true", help="put the DAE of second order to the test instead"
+    )
+    dampers.add_argument(
+        "--pairs", type=as_whole, metavar="N",
+        help="random roads of each class, with a mirror image each (default 60)",
+    )  # fmt: skip
+    add_work_options(dampers)
+
+
+def add_work_options(work: argparse._ArgumentGroup) -> None:
+    """Add how long work is done, and where it is kept."""
+    work.add_argument(
+        "--resume", metavar="FILE", type=Path,
+        help="keep what is done in FILE, and go on from what it holds",
+    )  # fmt: skip
+    work.add_argument(
+        "--workers", type=as_whole, metavar="N", help="processes (default: one for each core)"
+    )
+
+
+@contextmanager
+def resumed(path: Path | None) -> Iterator[None]:
+    """Say where the work goes on if it is interrupted, and a file keeps it."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if path is not None:
+            print(
+                f"bridgectl: interrupted: {path} keeps what is done, the same command "
+                "goes on from there",
+                file=sys.stderr,
+            )
+        raise
 
 
 def _add_speeds(parser: argparse.ArgumentParser, default: str) -> None:

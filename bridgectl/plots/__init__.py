@@ -6,6 +6,7 @@ The functions return axes or figures and leave `matplotlib.pyplot` alone: save w
 
 from .animation import crossing_animation
 from .bridge import dae_figure, lines_plot, paper_figure, smooth_daf_plot, surface_plot
+from .damper_validation import damper_validation_figure
 from .effects import effects_figure
 from .ramp_heights import ramp_height_figure
 from .roads import pair_figure, profile_figure, psd_plot
@@ -15,6 +16,7 @@ from .validation import validation_figure
 __all__ = [
     "crossing_animation",
     "dae_figure",
+    "damper_validation_figure",
     "effects_figure",
     "lines_plot",
     "pair_figure",
