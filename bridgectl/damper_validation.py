@@ -272,6 +272,17 @@ class DamperCase:
         return sorted(found, key=lambda each: -each.daf_difference)
 
     @property
+    def share(self) -> tuple[float, float]:
+        """How much of what roads add to the smooth DAF the class DAE has [-], and how alike.
+
+        The slope of the line through all dampers, and the correlation about it.
+        """
+        from scipy.stats import linregress  # slow to load
+
+        line = linregress(self.mean_daf - self.mean_eq_15, self.class_dae - self.mean_eq_15)
+        return float(line.slope), float(line.rvalue)
+
+    @property
     def errors(self) -> tuple[FloatArray, FloatArray]:
         """Rms errors on single roads of Eq. (15) and of second order [-], (n_dampers,) each."""
         first, second = (

@@ -31,7 +31,8 @@ of those more than {far:g} apart.
 """
 
 SINGLE_NOTE = """\
-rms: of DAE - DAF over roads, mirror images and speeds; all: over all dampers.
+share: of what the roads add to the smooth DAF, how much the class DAE has, by a line through all
+dampers; r: their correlation about it. Then rms of DAE - DAF over roads, mirror images and speeds.
 """
 
 
@@ -73,11 +74,11 @@ def _pairs(pairs: Pairs) -> tuple[str, str]:
 
 
 def _error_table(cases: Sequence[DamperCase]) -> Any:
-    columns = ["bridge", "class", "all:\nEq. (15)", "second\norder", "ratio",
+    columns = ["bridge", "class", "share", "r", "all:\nEq. (15)", "second\norder", "ratio",
                "passive:\nEq. (15)", "second\norder", "ratio"]  # fmt: skip
-    table = make_table("Rms errors on single roads", columns, ["class"])
+    table = make_table("The level, and errors on single roads", columns, ["class"])
     for case in cases:
-        cells: list[str] = []
+        cells = [f"{case.share[0]:.2f}", f"{case.share[1]:.3f}"]
         for rows in (slice(None), slice(1)):  # all, and the vehicle's own damper
             first, second = (float(np.sqrt(np.mean(each[rows] ** 2))) for each in case.errors)
             cells += [f"{first:.4f}", f"{second:.4f}", f"{second / first:.2f}"]
@@ -109,6 +110,13 @@ def _sentences(cases: Sequence[DamperCase]) -> list[str]:
             f"Pairs that are {what}: {pairs.right} of {pairs.number} in the right order at worst, "
             f"{worst.span:g} m, class {worst.road_class}."
         )
+    shares, alike = zip(*(case.share for case in cases), strict=True)
+    lines.append(
+        f"Of what a road adds to the smooth DAF the class DAE has {min(shares):.2f} to "
+        f"{max(shares):.2f}, nearly the same share for all dampers of a case (correlation "
+        f"{min(alike):.3f} or more): it takes ramps one at a time, so that order is kept and level "
+        "is not."
+    )
     short = [
         f"{case.span:g} m, class {case.road_class}: {pairs.right} of {pairs.number} {what} pairs, "
         f"{least:g} required"
@@ -159,6 +167,8 @@ def _case_json(case: DamperCase) -> dict[str, Any]:
         "clear_pairs_required_share": required_share(case.span),
         "far_pairs": case.far_pairs._asdict(),
         "far_pairs_required_share": FAR_REQUIRED,
+        "share_of_what_roads_add": case.share[0],
+        "share_correlation": case.share[1],
         "rms_error_ratio": case.error_ratio,
         "wrong_pairs": [each._asdict() for each in case.wrong],
     }  # fmt: skip

@@ -91,6 +91,9 @@ def test_orders_and_errors_are_those_of_their_definitions():
         np.mean((case.dae - case.daf) ** 2)
     )
     assert case.error_ratio == pytest.approx(rms)
+    added, told = case.mean_daf - case.mean_eq_15, case.class_dae - case.mean_eq_15
+    slope, correlation = np.polyfit(added, told, 1)[0], np.corrcoef(added, told)[0, 1]
+    assert case.share == pytest.approx((slope, correlation))
     assert repr(case).startswith("DamperCase(5 dampers on 25 m, class A, tau ")
 
 

@@ -29,19 +29,25 @@ from matplotlib.text import Text
 from PIL import Image
 
 import bridgectl as bc
+from bridgectl.dae import RampSurface
+from bridgectl.damper_validation import DamperCase
+from bridgectl.dampers import passive, skyhook
 from bridgectl.extremes import EqualRoughnessPair
 from bridgectl.paper import PaperResults
 from bridgectl.plots import (
     crossing_animation,
     dae_figure,
+    damper_validation_figure,
     lines_plot,
     pair_figure,
     paper_figure,
     profile_figure,
     psd_plot,
+    ramp_height_figure,
     score_figure,
     validation_figure,
 )
+from bridgectl.ramps import FeedbackHistories
 from bridgectl.scoreboard import MEASURES, Scoreboard
 from bridgectl.validation import Case, ValidationResults, WarningLight
 
@@ -121,12 +127,44 @@ def scores() -> Figure:
     values = dict.fromkeys(MEASURES, daf) | {
         "body_acceleration": ride, "dynamic_load_coefficient": 0.3 * ride, "dae": 2.1 - daf,
     }  # fmt: skip
+    surfaces = {name: tuple(hand_made(each, speeds, level) for each in daf[:, 0])
+                for name, level in (("A", 0.03), ("B", 0.06))}  # fmt: skip
+    two = {name: np.concatenate([each, 1.02 * each], axis=1) for name, each in values.items()}
     return score_figure(
         Scoreboard(
-            names, (7e3, 1e3, 30e3, np.nan, np.nan), ("one",), speeds, values, daf[:, 0],
-            daf[:, :, 0], *beam_and_truck(), 0.0,
+            names, (7e3, 1e3, 30e3, np.nan, np.nan), ("one", "two"), speeds, two, daf[:, 0],
+            two["daf"][:, :, 0], *beam_and_truck(), 0.0, ("A", "B"), surfaces,
         )
     )  # fmt: skip
+
+
+def hand_made(smooth: np.ndarray, speeds: np.ndarray, level: float) -> RampSurface:
+    """A surface both ways whose even effects go with the smooth DAF beyond 1.05."""
+    x = 0.1 * np.arange(250)
+    even = 100 * level * (smooth[:, np.newaxis] - 1.05) * np.sin(np.pi * x / 25) ** 2
+    odd = 0.01 * np.sin(x)
+    daf_smooth = np.full(len(speeds), 1.05)
+    drop, rise = (daf_smooth[:, np.newaxis] + even + sign * odd for sign in (1, -1))
+    return RampSurface(
+        *beam_and_truck(), 0.5, "exact", "moment", 0.0, 0.1, level / 4, speeds, x, daf_smooth,
+        drop, FeedbackHistories("by hand"), rise, 10,
+    )  # fmt: skip
+
+
+def dampers() -> Figure:
+    level = np.linspace(0.97, 1.1, 9)[:, np.newaxis, np.newaxis, np.newaxis]
+    daf = level + np.zeros((9, 2, 3, 1))
+    cases = [
+        DamperCase(span, "A", tuple("abcdefghi"), 6, daf, 0 * daf + 1.03, daf, mean)
+        for span, mean in ((15, 1 + 0.5 * (level.ravel() - 1)), (25, level.ravel() ** 3))
+    ]
+    return damper_validation_figure(cases)
+
+
+def heights() -> Figure:
+    beam, truck = beam_and_truck()
+    laws = [passive(7e3), skyhook(1e3, 30e3)]
+    return ramp_height_figure(beam, truck, laws, 25.0, 5.0, approach=2)
 
 
 def validation() -> Figure:
@@ -183,7 +221,19 @@ def crossing() -> Figure:
 
 FIGURES: dict[str, Callable[[], Figure]] = {
     make.__name__: make
-    for make in (dae, paper, lines, pair, psd, profile, scores, validation, crossing)
+    for make in (
+        dae,
+        paper,
+        lines,
+        pair,
+        psd,
+        profile,
+        scores,
+        dampers,
+        heights,
+        validation,
+        crossing,
+    )
 }
 
 
@@ -248,6 +298,12 @@ REMOVED: dict[str, list[tuple[type[Artist], str, int]]] = {
     "psd": [(Line2D, "UTIA road", -1), (Legend, "", -1)],
     "profile": [(StepPatch, "UTIA road", -1), (Line2D, "UTIA road", 0), (Legend, "", 0)],
     "scores": [(Line2D, "constant dampers", -1), (Line2D, "skyhook", -1), (Legend, "", -1)],
+    "dampers": [
+        (Line2D, "class DAE, unseen", -1),
+        (Line2D, "class DAE, dampers", -1),
+        (Legend, "", -1),
+    ],
+    "heights": [(Line2D, "simulated DAF", -1), (Line2D, "DAE of order 2", -1), (Legend, "", -1)],
     "validation": [(Line2D, "DAE", -1), (Legend, "", -1)],
     "crossing": [(Line2D, "moment", -1), (Line2D, "road", -1), (Legend, "", -1)],
 }
