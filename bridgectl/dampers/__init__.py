@@ -12,6 +12,7 @@ from .peak_value import PeakValue, peak_value
 from .preset import preset
 from .program import program
 from .result import LoopResult
+from .sensitivity import Sensitivity, program_sensitivity
 from .strategy import SIGNALS, Strategy
 from .tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
 
@@ -23,6 +24,7 @@ __all__ = [
     "Damper",
     "LoopResult",
     "PeakValue",
+    "Sensitivity",
     "Strategy",
     "add",
     "bridgehook",
@@ -39,6 +41,7 @@ __all__ = [
     "peak_value",
     "preset",
     "program",
+    "program_sensitivity",
     "selective_groundhook",
     "sh_add",
     "simulate_loop",

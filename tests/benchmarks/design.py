@@ -1,0 +1,305 @@
+"""Design dampers by the DAE of a road class, and by simulated DAFs; compare them on fresh roads.
+
+Run ``python tests/benchmarks/design.py [--pairs N] [--seed S] [--plot FIGURE.png]`` from the top
+of the repository: some minutes. The paper's truck starts in equilibrium 60 m before the paper's
+bridge; c is from 1 to 30 kN s/m. Two dampers are tuned at 7 speeds for roads of class A, and again
+for B:
+
+- a program c(x) of 12 knots, from 7 kN s/m, by exact gradients and L-BFGS-B;
+- bridgehook with factors on its terms, sigma = s(x) + g_b b(x) y_s' + g_a a(x) y_t', from
+  g_b = g_a = 0, by Nelder-Mead; g_b = g_a = 1 is bridgehook as it was derived.
+
+Each is tuned on the mean of the second-order DAE over the class, and on the mean DAF of many and of
+few training roads. Judge is the mean DAF of other roads at 13 speeds, of which 6 are new. All roads
+come with their mirror images.
+"""
+
+from __future__ import annotations
+
+import timing  # isort: skip  # noqa: F401  # before numpy, for it limits the threads
+
+import argparse
+import time
+from functools import cache, partial
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.optimize import minimize
+
+import bridgectl as bc
+from bridgectl._progress import track
+from bridgectl.dampers import passive, peak_value, program, program_sensitivity, simulate_loop
+from bridgectl.dampers.bridgehook import Bridgehook, _feedback_law
+from bridgectl.plots.style import (
+    BLACK,
+    BLUE,
+    BRIDGE_TINT,
+    GREY,
+    SPEED_LABEL,
+    STATION_LABEL,
+    VERMILLION,
+    styled,
+)
+from bridgectl.road import iso8608_elevations
+from bridgectl.scoreboard import paired
+
+BEAM, TRUCK = bc.li2006.beam(), bc.li2006.car()
+SOFT, STIFF = 1e3, 30e3
+TUNED, JUDGED = np.arange(60, 121, 10) / 3.6, np.arange(60, 121, 5) / 3.6
+X = -60 + 0.1 * np.arange(851)
+EVERY = 10
+KNOTS = np.array([-30.0, -20, -12, -6, -2, 1, 4, 7, 10, 13, 16, 20])
+PAIRS = {"program": (85, 5), "bridgehook": (40, 5)}
+"""Pairs of training roads: so many that an evaluation costs what one of the DAE does; and few."""
+EVALUATIONS = 40
+SEEDS = {"A": 30_001, "B": 30_002}
+"""Of the training roads; the fresh ones have 10 000 more."""
+
+
+class Weighted(Bridgehook):
+    """Bridgehook with factors on the terms of body and axle velocity."""
+
+    def __init__(self, body, axle):
+        self.factors = {"body": body, "axle": axle}
+        super().__init__(BEAM, TRUCK, SOFT, STIFF)
+
+    def _made(self, speed):
+        found = worth(speed)
+        terms = {name: factor * getattr(found, name) for name, factor in self.factors.items()}
+        return _feedback_law(found._replace(**terms), self)
+
+
+@cache
+def worth(speed):
+    return peak_value(BEAM, TRUCK, speed, SOFT, STIFF)
+
+
+def mirrored(n_pairs, iso_class, seed):
+    """Elevations of roads, and after them of their mirror images."""
+    roads = iso8608_elevations(n_pairs, iso_class, 85, seed=seed)
+    return np.vstack([roads, -roads])
+
+
+class Design(NamedTuple):
+    """A damper, what it was tuned on, and how that went."""
+
+    kind: str
+    tuned_on: str
+    law: object
+    values: np.ndarray = np.zeros(0)
+    promised: float = np.nan
+    evaluations: int = 0
+    seconds: float = np.nan
+
+
+def tune(kind, tuned_on, objective, start, law, **options):
+    """Minimise an objective of some values, of the best of which a law is made."""
+    found = []
+
+    def noted(values):
+        result = objective(values)
+        found.append(result[0] if options.get("jac") else result)
+        return result
+
+    began = time.perf_counter()
+    best = minimize(noted, start, **options)
+    took = (time.perf_counter() - began) / len(found)
+    promised = best.fun - found[0]
+    return Design(kind, tuned_on, law(best.x), best.x, promised, len(found), took)
+
+
+def tune_program(tuned_on, stations, elevations, shares):
+    """A program by the exact gradient of a mean DAF, in which each road has its share."""
+
+    def objective(logarithms):
+        dampings = np.exp(logarithms)
+        every = [
+            program_sensitivity(BEAM, TRUCK, c, KNOTS, dampings, stations, elevations)
+            for c in TUNED
+        ]
+        mean = np.mean([shares @ found.daf for found in every])
+        return mean, np.mean([shares @ found.gradient for found in every], axis=0) * dampings
+
+    return tune(
+        "program", tuned_on, objective, np.log(np.full(KNOTS.size, TRUCK.damping)),
+        lambda logarithms: program(KNOTS, np.exp(logarithms), shape="lines"), jac=True,
+        method="L-BFGS-B", bounds=[np.log([SOFT, STIFF])] * KNOTS.size,
+        options={"maxfun": EVALUATIONS},
+    )  # fmt: skip
+
+
+def tune_bridgehook(tuned_on, objective):
+    """Factors of bridgehook, without gradients."""
+    return tune(
+        "bridgehook", tuned_on, lambda factors: objective(Weighted(*factors)), [0.0, 0.0],
+        lambda factors: Weighted(*factors), method="Nelder-Mead",
+        options={
+            "maxfev": EVALUATIONS, "xatol": 0.05, "fatol": 1e-4,
+            "initial_simplex": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+        },
+    )  # fmt: skip
+
+
+def ramps(iso_class):
+    """Ramps as roads: stations, elevations, and the share that each DAF has in the class DAE.
+
+    With e = (u+ + u-) / 2 - smooth at N places, most on straight lines between those computed, and
+    h = sigma sqrt(N), the mean smooth + (sigma / h)^2 sum(e) is the mean of all u+ and u-.
+    """
+    level = bc.ramp_surface(BEAM, TRUCK, TUNED[0], approach=60, ramp_height=iso_class)
+    n = len(level.positions)
+    starts = np.arange(0, n, EVERY)
+    kept = np.unique([*starts, *(starts + 1), n])
+    drops = level.ramp_height * (np.arange(kept.size) > np.searchsorted(kept, starts)[:, None])
+    shares = [np.interp(np.arange(n), starts, one).mean() / 2 for one in np.eye(starts.size)]
+    return X[kept], np.vstack([-drops, drops]), np.tile(shares, 2)
+
+
+def class_dae(law, iso_class):
+    """Mean of the second-order DAE over a class, and over the speeds."""
+    surface = bc.ramp_surface(
+        BEAM, TRUCK, TUNED, approach=60, ramp_height=iso_class, both_ways=True, every=EVERY,
+        damper=law,
+    )  # fmt: skip
+    return surface.class_dae(iso_class).mean.mean()
+
+
+def mean_daf(law, roads):
+    return simulate_loop(BEAM, TRUCK, law, TUNED, X, roads).daf.mean()
+
+
+def tunings(iso_class, seed):
+    """The tunings of a class, calls that return designs."""
+    yield partial(tune_program, "class DAE", *ramps(iso_class))
+    for n in PAIRS["program"]:
+        roads = mirrored(n, iso_class, seed)
+        yield partial(tune_program, f"DAF, {n} pairs", X, roads, np.full(2 * n, 0.5 / n))
+    yield partial(tune_bridgehook, "class DAE", partial(class_dae, iso_class=iso_class))
+    for n in PAIRS["bridgehook"]:
+        roads = mirrored(n, iso_class, seed)
+        yield partial(tune_bridgehook, f"DAF, {n} pairs", partial(mean_daf, roads=roads))
+
+
+def measure(iso_class, n_pairs, seed):
+    """All designs, the untuned ones first, and DAFs of fresh roads (designs, speeds, pairs)."""
+    designs = [
+        Design("program", "start: passive", passive(TRUCK.damping)),
+        Design("bridgehook", "start: g = 0, 0", Weighted(0.0, 0.0)),
+        Design("bridgehook", "as derived: g = 1, 1", Weighted(1.0, 1.0)),
+    ]
+    calls = list(tunings(iso_class, SEEDS[iso_class] + seed))
+    designs += [call() for call in track(calls, f"Tuning, class {iso_class}", len(calls))]
+    roads = mirrored(n_pairs, iso_class, SEEDS[iso_class] + 10_000)
+    dafs = [
+        simulate_loop(BEAM, TRUCK, design.law, JUDGED, X, roads).daf
+        for design in track(designs, f"Judging, class {iso_class}", len(designs))
+    ]
+    return designs, np.reshape(dafs, (len(designs), JUDGED.size, 2, n_pairs)).mean(axis=2)
+
+
+def interval(differences):
+    found = paired(differences)
+    return f"{found.mean:+.4f} ({found.low:+.4f} to {found.high:+.4f})"
+
+
+def report(iso_class, designs, dafs):
+    """Print a class."""
+    per_pair = dafs.mean(axis=1)
+    own = [next(k for k, first in enumerate(designs) if first.kind == d.kind) for d in designs]
+    print(f"\nclass {iso_class}: mean DAF of {dafs.shape[2]} mirror pairs of fresh roads")
+    print(
+        f"{'damper':10}  {'tuned on':20}  s each  evaluations  promised  mean DAF  "
+        f"{'change from the start (95 %)':30}  change from passive (95 %)"
+    )
+    for k in sorted(range(len(designs)), key=lambda k: designs[k].kind, reverse=True):
+        design = designs[k]
+        how = f"{'':6}  {'':11}  {'':8}"
+        if design.evaluations:
+            how = f"{design.seconds:6.2f}  {design.evaluations:11}  {design.promised:+8.4f}"
+        from_start = interval(per_pair[k] - per_pair[own[k]]) if k != own[k] else ""
+        from_passive = interval(per_pair[k] - per_pair[0]) if k else ""
+        print(
+            f"{design.kind:10}  {design.tuned_on:20}  {how}  {per_pair[k].mean():8.4f}  "
+            f"{from_start:30}  {from_passive}"
+        )
+    for kind, pairs in PAIRS.items():
+        by = {d.tuned_on: k for k, d in enumerate(designs) if d.kind == kind}
+        first, dae = own[by["class DAE"]], by["class DAE"]
+        for n in pairs:
+            other = by[f"DAF, {n} pairs"]
+            gains = [(per_pair[first] - per_pair[k]).mean() for k in (dae, other)]
+            print(
+                f"{kind}, tuned on DAE less on DAF of {n} pairs: "
+                f"{interval(per_pair[dae] - per_pair[other])}, gains {gains[0]:.4f} and "
+                f"{gains[1]:.4f}"
+            )
+    for design in designs:
+        if design.evaluations and design.kind == "program":
+            knots = " ".join(f"{c / 1e3:.1f}" for c in np.exp(design.values))
+            print(f"program by {design.tuned_on}, kN s/m: {knots}")
+        elif design.evaluations:
+            print(
+                f"bridgehook by {design.tuned_on}: g_b = {design.values[0]:.2f}, "
+                f"g_a = {design.values[1]:.2f}"
+            )
+
+
+COLOURS = {
+    "program": {"class DAE": BLUE, "DAF, 85 pairs": VERMILLION, "DAF, 5 pairs": GREY},
+    "bridgehook": {"class DAE": BLUE, "DAF, 40 pairs": VERMILLION, "start: g = 0, 0": GREY},
+}
+
+
+@styled
+def draw(found, path):
+    """Draw a row for each class: programs, and changes of the mean DAF from passive, of fresh
+    roads, over speed, with their 95 % intervals.
+    """
+    figure = Figure(figsize=(12, 6.4), layout="constrained")
+    panels = figure.subplots(2, 3, sharex="col")
+    for row, (iso_class, (designs, dafs)) in zip(panels, found.items(), strict=True):
+        columns = {"program": row[1], "bridgehook": row[2]}
+        row[0].set(ylabel="damping c [kN s/m]", title=f"programs for roads of class {iso_class}")
+        row[1].set(ylabel="change of the mean DAF from passive [-]", title="programs, fresh roads")
+        row[2].set(title="bridgehook, fresh roads")
+        for axes in row[1:]:
+            axes.axhline(0, color=BLACK, linewidth=0.8)
+        row[0].axvspan(0, BEAM.length, color=BRIDGE_TINT, zorder=0)
+        row[0].axhline(TRUCK.damping / 1e3, color=BLACK, linewidth=0.8)
+        for design, own in zip(designs, dafs, strict=True):
+            colour = COLOURS[design.kind].get(design.tuned_on)
+            if colour is None:
+                continue
+            every = [paired(change) for change in own - dafs[0]]
+            mean, low, high = np.transpose(every)
+            axes = columns[design.kind]
+            axes.plot(JUDGED * 3.6, mean, color=colour, label=design.tuned_on)
+            axes.fill_between(JUDGED * 3.6, low, high, color=colour, alpha=0.15, linewidth=0)
+            if design.kind == "program":
+                row[0].plot(KNOTS, np.exp(design.values) / 1e3, "o-", ms=4, color=colour)
+    panels[1, 0].set(xlabel=STATION_LABEL, xlim=(KNOTS[0], BEAM.length))
+    for axes in panels[1, 1:]:
+        axes.set(xlabel=SPEED_LABEL, xlim=JUDGED[[0, -1]] * 3.6)
+    for axes in panels[0, 1:]:
+        axes.legend(title="tuned on")
+    figure.savefig(path)
+
+
+def main():
+    """Print the tables; draw them into the file named, if any."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--pairs", type=int, default=100, help="pairs of fresh roads")
+    parser.add_argument("--seed", type=int, default=0, help="other training roads")
+    parser.add_argument("--plot", help="file of the figure")
+    given = parser.parse_args()
+    found = {}
+    for iso_class in SEEDS:
+        found[iso_class] = measure(iso_class, given.pairs, given.seed)
+        report(iso_class, *found[iso_class])
+    if given.plot:
+        draw(found, given.plot)
+
+
+if __name__ == "__main__":
+    main()
