@@ -70,7 +70,7 @@ class Sensitivity(NamedTuple):
         steepest = 1e3 * np.abs(self.gradient).max()
         return (
             f"Sensitivity({self.daf.size} roads, DAF from {self.daf.min():.4f} to "
-            f"{self.daf.max():.4f}, gradient up to {steepest:.3g} per kN s/m)"
+            f"{self.daf.max():.4f}, changing by up to {steepest:.3g} for 1 kN s/m)"
         )
 
 
@@ -130,7 +130,7 @@ def program_sensitivity(
     ...     bc.li2006.beam(), bc.li2006.car(), 30.0, [-10, 0, 5, 10], [7e3] * 4, road.x,
     ...     road.elevation)
     >>> found
-    Sensitivity(1 roads, DAF from 1.1544 to 1.1544, gradient up to 0.00122 per kN s/m)
+    Sensitivity(1 roads, DAF from 1.1544 to 1.1544, changing by up to 0.00122 for 1 kN s/m)
     >>> (1e3 * found.gradient).round(4)  # per kN s/m
     array([[ 0.0002,  0.0002,  0.0012, -0.0002]])
     """

@@ -2,10 +2,12 @@
 
 Run ``python tests/benchmarks/design.py [--pairs N] [--seed S] [--plot FIGURE.png]`` from the top
 of the repository: some minutes. The paper's truck starts in equilibrium 60 m before the paper's
-bridge; c is from 1 to 30 kN s/m. Two dampers are tuned at 7 speeds for roads of class A, and again
-for B:
+bridge; c is from 1 to 30 kN s/m. Three dampers are tuned at 7 speeds for roads of class A, and
+again for B:
 
 - a program c(x) of 12 knots, from 7 kN s/m, by exact gradients and L-BFGS-B;
+- clipped linear: c = F / v within its bounds, F = g_d d + g_b y_s' + g_a y_t' with the travel d,
+  from the passive F = 7 kN s/m (y_s' - y_t'), by Nelder-Mead;
 - bridgehook with factors on its terms, sigma = s(x) + g_b b(x) y_s' + g_a a(x) y_t', from
   g_b = g_a = 0, by Nelder-Mead; g_b = g_a = 1 is bridgehook as it was derived.
 
@@ -29,13 +31,20 @@ from scipy.optimize import minimize
 
 import bridgectl as bc
 from bridgectl._progress import track
-from bridgectl.dampers import passive, peak_value, program, program_sensitivity, simulate_loop
+from bridgectl.dampers import (
+    clipped_lqr,
+    passive,
+    peak_value,
+    program,
+    program_sensitivity,
+    simulate_loop,
+)
 from bridgectl.dampers.bridgehook import Bridgehook, _feedback_law
 from bridgectl.plots.style import (
-    BLACK,
     BLUE,
     BRIDGE_TINT,
     GREY,
+    SKY,
     SPEED_LABEL,
     STATION_LABEL,
     VERMILLION,
@@ -50,7 +59,7 @@ TUNED, JUDGED = np.arange(60, 121, 10) / 3.6, np.arange(60, 121, 5) / 3.6
 X = -60 + 0.1 * np.arange(851)
 EVERY = 10
 KNOTS = np.array([-30.0, -20, -12, -6, -2, 1, 4, 7, 10, 13, 16, 20])
-PAIRS = {"program": (85, 5), "bridgehook": (40, 5)}
+PAIRS = {"program": (85, 5), "clipped linear": (40, 5), "bridgehook": (40, 5)}
 """Pairs of training roads: so many that an evaluation costs what one of the DAE does; and few."""
 EVALUATIONS = 40
 SEEDS = {"A": 30_001, "B": 30_002}
@@ -79,6 +88,21 @@ def mirrored(n_pairs, iso_class, seed):
     """Elevations of roads, and after them of their mirror images."""
     roads = iso8608_elevations(n_pairs, iso_class, 85, seed=seed)
     return np.vstack([roads, -roads])
+
+
+def clipped_linear(travel, body, axle):
+    """The clipped regulator with gains of one's own, on the travel, body and axle velocities."""
+    return clipped_lqr(TRUCK, SOFT, STIFF).with_gains(
+        travel_gain=-1e5 * travel, deflection_gain=0.0, body_gain=-1e4 * body,
+        axle_gain=-1e4 * axle,
+    )  # fmt: skip
+
+
+LAWS = {
+    "clipped linear": (clipped_linear, TRUCK.damping / 1e4 * np.array([0.0, 1.0, -1.0])),
+    "bridgehook": (Weighted, np.zeros(2)),
+}
+"""Laws of some gains and where their tuning starts: gains of 100 kN/m and 10 kN s/m; factors."""
 
 
 class Design(NamedTuple):
@@ -129,14 +153,15 @@ def tune_program(tuned_on, stations, elevations, shares):
     )  # fmt: skip
 
 
-def tune_bridgehook(tuned_on, objective):
-    """Factors of bridgehook, without gradients."""
+def tune_law(kind, tuned_on, objective):
+    """Gains of a switching law, without gradients."""
+    law, start = LAWS[kind]
     return tune(
-        "bridgehook", tuned_on, lambda factors: objective(Weighted(*factors)), [0.0, 0.0],
-        lambda factors: Weighted(*factors), method="Nelder-Mead",
+        kind, tuned_on, lambda gains: objective(law(*gains)), start, lambda gains: law(*gains),
+        method="Nelder-Mead",
         options={
             "maxfev": EVALUATIONS, "xatol": 0.05, "fatol": 1e-4,
-            "initial_simplex": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+            "initial_simplex": start + np.eye(len(start) + 1, len(start), -1),
         },
     )  # fmt: skip
 
@@ -175,16 +200,18 @@ def tunings(iso_class, seed):
     for n in PAIRS["program"]:
         roads = mirrored(n, iso_class, seed)
         yield partial(tune_program, f"DAF, {n} pairs", X, roads, np.full(2 * n, 0.5 / n))
-    yield partial(tune_bridgehook, "class DAE", partial(class_dae, iso_class=iso_class))
-    for n in PAIRS["bridgehook"]:
-        roads = mirrored(n, iso_class, seed)
-        yield partial(tune_bridgehook, f"DAF, {n} pairs", partial(mean_daf, roads=roads))
+    for kind in LAWS:
+        yield partial(tune_law, kind, "class DAE", partial(class_dae, iso_class=iso_class))
+        for n in PAIRS[kind]:
+            roads = mirrored(n, iso_class, seed)
+            yield partial(tune_law, kind, f"DAF, {n} pairs", partial(mean_daf, roads=roads))
 
 
 def measure(iso_class, n_pairs, seed):
     """All designs, the untuned ones first, and DAFs of fresh roads (designs, speeds, pairs)."""
     designs = [
         Design("program", "start: passive", passive(TRUCK.damping)),
+        Design("clipped linear", "start: as passive", clipped_linear(*LAWS["clipped linear"][1])),
         Design("bridgehook", "start: g = 0, 0", Weighted(0.0, 0.0)),
         Design("bridgehook", "as derived: g = 1, 1", Weighted(1.0, 1.0)),
     ]
@@ -209,10 +236,10 @@ def report(iso_class, designs, dafs):
     own = [next(k for k, first in enumerate(designs) if first.kind == d.kind) for d in designs]
     print(f"\nclass {iso_class}: mean DAF of {dafs.shape[2]} mirror pairs of fresh roads")
     print(
-        f"{'damper':10}  {'tuned on':20}  s each  evaluations  promised  mean DAF  "
+        f"{'damper':14}  {'tuned on':20}  s each  evaluations  promised  mean DAF  "
         f"{'change from the start (95 %)':30}  change from passive (95 %)"
     )
-    for k in sorted(range(len(designs)), key=lambda k: designs[k].kind, reverse=True):
+    for k in sorted(range(len(designs)), key=lambda k: [*PAIRS].index(designs[k].kind)):
         design = designs[k]
         how = f"{'':6}  {'':11}  {'':8}"
         if design.evaluations:
@@ -220,7 +247,7 @@ def report(iso_class, designs, dafs):
         from_start = interval(per_pair[k] - per_pair[own[k]]) if k != own[k] else ""
         from_passive = interval(per_pair[k] - per_pair[0]) if k else ""
         print(
-            f"{design.kind:10}  {design.tuned_on:20}  {how}  {per_pair[k].mean():8.4f}  "
+            f"{design.kind:14}  {design.tuned_on:20}  {how}  {per_pair[k].mean():8.4f}  "
             f"{from_start:30}  {from_passive}"
         )
     for kind, pairs in PAIRS.items():
@@ -239,50 +266,56 @@ def report(iso_class, designs, dafs):
             knots = " ".join(f"{c / 1e3:.1f}" for c in np.exp(design.values))
             print(f"program by {design.tuned_on}, kN s/m: {knots}")
         elif design.evaluations:
-            print(
-                f"bridgehook by {design.tuned_on}: g_b = {design.values[0]:.2f}, "
-                f"g_a = {design.values[1]:.2f}"
-            )
+            gains = ", ".join(f"{gain:.2f}" for gain in design.values)
+            print(f"{design.kind} by {design.tuned_on}: gains {gains}")
 
 
-COLOURS = {
-    "program": {"class DAE": BLUE, "DAF, 85 pairs": VERMILLION, "DAF, 5 pairs": GREY},
-    "bridgehook": {"class DAE": BLUE, "DAF, 40 pairs": VERMILLION, "start: g = 0, 0": GREY},
-}
+def style(design):
+    """Colour and label of a design in the figure."""
+    for words, colour, label in (
+        ("start", GREY, "untuned"),
+        ("class DAE", BLUE, "tuned on the class DAE"),
+        (" 5 pairs", SKY, "tuned on the DAF of 5 mirror pairs"),
+        ("DAF", VERMILLION, "tuned on the DAF of as many as cost the same"),
+    ):
+        if words in design.tuned_on:
+            return {"color": colour, "label": label}
+    return None
 
 
 @styled
 def draw(found, path):
-    """Draw a row for each class: programs, and changes of the mean DAF from passive, of fresh
-    roads, over speed, with their 95 % intervals.
+    """Draw a row for each class: programs, and changes of the mean DAF over speed.
+
+    Changes are from the passive damper, with 95 % intervals of those that were tuned.
     """
-    figure = Figure(figsize=(12, 6.4), layout="constrained")
-    panels = figure.subplots(2, 3, sharex="col")
+    figure = Figure(figsize=(14, 6.6), layout="constrained")
+    panels = figure.subplots(2, 4, sharex="col")
     for row, (iso_class, (designs, dafs)) in zip(panels, found.items(), strict=True):
-        columns = {"program": row[1], "bridgehook": row[2]}
-        row[0].set(ylabel="damping c [kN s/m]", title=f"programs for roads of class {iso_class}")
-        row[1].set(ylabel="change of the mean DAF from passive [-]", title="programs, fresh roads")
-        row[2].set(title="bridgehook, fresh roads")
-        for axes in row[1:]:
-            axes.axhline(0, color=BLACK, linewidth=0.8)
+        columns = dict(zip(PAIRS, row[1:], strict=True))
+        row[0].set(ylabel="damping c [kN s/m]", title=f"class {iso_class}: programs c(x)")
         row[0].axvspan(0, BEAM.length, color=BRIDGE_TINT, zorder=0)
-        row[0].axhline(TRUCK.damping / 1e3, color=BLACK, linewidth=0.8)
-        for design, own in zip(designs, dafs, strict=True):
-            colour = COLOURS[design.kind].get(design.tuned_on)
-            if colour is None:
+        row[1].set_ylabel("change of the mean DAF from passive [-]")
+        for kind, axes in columns.items():
+            axes.set_title(f"class {iso_class}: {kind}")
+        for design, changes in zip(designs, dafs - dafs[0], strict=True):
+            look = style(design)
+            if look is None:
                 continue
-            every = [paired(change) for change in own - dafs[0]]
-            mean, low, high = np.transpose(every)
+            mean, low, high = np.transpose([paired(change) for change in changes])
             axes = columns[design.kind]
-            axes.plot(JUDGED * 3.6, mean, color=colour, label=design.tuned_on)
-            axes.fill_between(JUDGED * 3.6, low, high, color=colour, alpha=0.15, linewidth=0)
+            axes.plot(JUDGED * 3.6, mean, **look)
+            if not design.evaluations:
+                continue
+            axes.fill_between(JUDGED * 3.6, low, high, color=look["color"], alpha=0.15, linewidth=0)
             if design.kind == "program":
-                row[0].plot(KNOTS, np.exp(design.values) / 1e3, "o-", ms=4, color=colour)
+                row[0].plot(KNOTS, np.exp(design.values) / 1e3, "o-", markersize=4, **look)
+        row[0].axhline(TRUCK.damping / 1e3, **style(designs[0]))
     panels[1, 0].set(xlabel=STATION_LABEL, xlim=(KNOTS[0], BEAM.length))
     for axes in panels[1, 1:]:
         axes.set(xlabel=SPEED_LABEL, xlim=JUDGED[[0, -1]] * 3.6)
-    for axes in panels[0, 1:]:
-        axes.legend(title="tuned on")
+    handles, labels = panels[0, 1].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
     figure.savefig(path)
 
 
