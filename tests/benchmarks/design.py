@@ -1,18 +1,20 @@
 """Design dampers by the DAE of a road class, and by simulated DAFs; compare them on fresh roads.
 
-Run ``python tests/benchmarks/design.py [--pairs N] [--seed S] [--plot FIGURE.png]`` from the top
-of the repository: some minutes. The paper's truck starts in equilibrium 60 m before the paper's
-bridge; c is from 1 to 30 kN s/m. Three dampers are tuned at 7 speeds for roads of class A, and
-again for B:
+Run ``python tests/benchmarks/design.py [--classes A] [--pairs N] [--plot FIGURE.png]`` from the
+top of the repository: some minutes a class. The paper's truck starts in equilibrium 60 m before the
+paper's bridge; c is from 1 to 30 kN s/m. Three dampers are tuned at 5 speeds for roads of class A,
+and again for B:
 
 - a program c(x) of 12 knots, from 7 kN s/m, by exact gradients and L-BFGS-B;
 - clipped linear: c = F / v within its bounds, F = g_d d + g_b y_s' + g_a y_t' with the travel d,
-  from the passive F = 7 kN s/m (y_s' - y_t'), by Nelder-Mead;
+  from the passive F = 7 kN s/m (y_s' - y_t');
 - bridgehook with factors on its terms, sigma = s(x) + g_b b(x) y_s' + g_a a(x) y_t', from
-  g_b = g_a = 0, by Nelder-Mead; g_b = g_a = 1 is bridgehook as it was derived.
+  g_b = g_a = 0; g_b = g_a = 1 is bridgehook as it was derived.
+
+DIRECT seeks the gains of the last two around the start, Nelder-Mead goes on from its best.
 
 Each is tuned on the mean of the second-order DAE over the class, and on the mean DAF of many and of
-few training roads. Judge is the mean DAF of other roads at 13 speeds, of which 6 are new. All roads
+few training roads. Judge is the mean DAF of other roads at 13 speeds, of which 8 are new. All roads
 come with their mirror images.
 """
 
@@ -27,7 +29,7 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
-from scipy.optimize import minimize
+from scipy.optimize import direct, minimize
 
 import bridgectl as bc
 from bridgectl._progress import track
@@ -55,13 +57,13 @@ from bridgectl.scoreboard import paired
 
 BEAM, TRUCK = bc.li2006.beam(), bc.li2006.car()
 SOFT, STIFF = 1e3, 30e3
-TUNED, JUDGED = np.arange(60, 121, 10) / 3.6, np.arange(60, 121, 5) / 3.6
+TUNED, JUDGED = np.arange(60, 121, 15) / 3.6, np.arange(60, 121, 5) / 3.6
 X = -60 + 0.1 * np.arange(851)
 EVERY = 10
 KNOTS = np.array([-30.0, -20, -12, -6, -2, 1, 4, 7, 10, 13, 16, 20])
 PAIRS = {"program": (85, 5), "clipped linear": (40, 5), "bridgehook": (40, 5)}
 """Pairs of training roads: so many that an evaluation costs what one of the DAE does; and few."""
-EVALUATIONS = 40
+EVALUATIONS = 50
 SEEDS = {"A": 30_001, "B": 30_002}
 """Of the training roads; the fresh ones have 10 000 more."""
 
@@ -99,10 +101,13 @@ def clipped_linear(travel, body, axle):
 
 
 LAWS = {
-    "clipped linear": (clipped_linear, TRUCK.damping / 1e4 * np.array([0.0, 1.0, -1.0])),
-    "bridgehook": (Weighted, np.zeros(2)),
+    "clipped linear": (clipped_linear, TRUCK.damping / 1e4 * np.array([0.0, 1.0, -1.0]), 20.0),
+    "bridgehook": (Weighted, np.zeros(2), 4.0),
 }
-"""Laws of some gains and where their tuning starts: gains of 100 kN/m and 10 kN s/m; factors."""
+"""Laws of some gains, where their tuning starts, and how far from there it looks.
+
+Of the first in 100 kN/m and 10 kN s/m.
+"""
 
 
 class Design(NamedTuple):
@@ -117,20 +122,19 @@ class Design(NamedTuple):
     seconds: float = np.nan
 
 
-def tune(kind, tuned_on, objective, start, law, **options):
-    """Minimise an objective of some values, of the best of which a law is made."""
+def tune(kind, tuned_on, objective, search, law):
+    """Let a search minimise an objective, and make a law of the best; the start comes first."""
     found = []
 
     def noted(values):
         result = objective(values)
-        found.append(result[0] if options.get("jac") else result)
+        found.append(result[0] if isinstance(result, tuple) else result)
         return result
 
     began = time.perf_counter()
-    best = minimize(noted, start, **options)
+    best = search(noted)
     took = (time.perf_counter() - began) / len(found)
-    promised = best.fun - found[0]
-    return Design(kind, tuned_on, law(best.x), best.x, promised, len(found), took)
+    return Design(kind, tuned_on, law(best.x), best.x, best.fun - found[0], len(found), took)
 
 
 def tune_program(tuned_on, stations, elevations, shares):
@@ -145,25 +149,31 @@ def tune_program(tuned_on, stations, elevations, shares):
         mean = np.mean([shares @ found.daf for found in every])
         return mean, np.mean([shares @ found.gradient for found in every], axis=0) * dampings
 
-    return tune(
-        "program", tuned_on, objective, np.log(np.full(KNOTS.size, TRUCK.damping)),
-        lambda logarithms: program(KNOTS, np.exp(logarithms), shape="lines"), jac=True,
-        method="L-BFGS-B", bounds=[np.log([SOFT, STIFF])] * KNOTS.size,
-        options={"maxfun": EVALUATIONS},
-    )  # fmt: skip
+    def search(noted):
+        start, bounds = np.full(KNOTS.size, np.log(TRUCK.damping)), np.log([SOFT, STIFF])
+        return minimize(
+            noted, start, jac=True, method="L-BFGS-B", bounds=[bounds] * KNOTS.size,
+            options={"maxfun": EVALUATIONS},
+        )  # fmt: skip
+
+    def law(logarithms):
+        return program(KNOTS, np.exp(logarithms), shape="lines")
+
+    return tune("program", tuned_on, objective, search, law)
 
 
 def tune_law(kind, tuned_on, objective):
-    """Gains of a switching law, without gradients."""
-    law, start = LAWS[kind]
-    return tune(
-        kind, tuned_on, lambda gains: objective(law(*gains)), start, lambda gains: law(*gains),
-        method="Nelder-Mead",
-        options={
-            "maxfev": EVALUATIONS, "xatol": 0.05, "fatol": 1e-4,
-            "initial_simplex": start + np.eye(len(start) + 1, len(start), -1),
-        },
-    )  # fmt: skip
+    """Gains of a law, without gradients."""
+    law, start, reach = LAWS[kind]
+
+    def search(noted):
+        around = [(gain - reach, gain + reach) for gain in start]
+        best = direct(noted, around, maxfun=EVALUATIONS // 2).x
+        simplex = best + reach / 6 * np.eye(len(start) + 1, len(start), -1)
+        options = {"maxfev": EVALUATIONS // 2, "initial_simplex": simplex, "fatol": 1e-5}
+        return minimize(noted, best, method="Nelder-Mead", options=options)
+
+    return tune(kind, tuned_on, lambda gains: objective(law(*gains)), search, lambda g: law(*g))
 
 
 def ramps(iso_class):
@@ -208,7 +218,7 @@ def tunings(iso_class, seed):
 
 
 def measure(iso_class, n_pairs, seed):
-    """All designs, the untuned ones first, and DAFs of fresh roads (designs, speeds, pairs)."""
+    """All designs, the untuned ones first; the class DAE of each; DAFs (designs, speeds, pairs)."""
     designs = [
         Design("program", "start: passive", passive(TRUCK.damping)),
         Design("clipped linear", "start: as passive", clipped_linear(*LAWS["clipped linear"][1])),
@@ -218,11 +228,17 @@ def measure(iso_class, n_pairs, seed):
     calls = list(tunings(iso_class, SEEDS[iso_class] + seed))
     designs += [call() for call in track(calls, f"Tuning, class {iso_class}", len(calls))]
     roads = mirrored(n_pairs, iso_class, SEEDS[iso_class] + 10_000)
-    dafs = [
-        simulate_loop(BEAM, TRUCK, design.law, JUDGED, X, roads).daf
-        for design in track(designs, f"Judging, class {iso_class}", len(designs))
-    ]
-    return designs, np.reshape(dafs, (len(designs), JUDGED.size, 2, n_pairs)).mean(axis=2)
+    daes, dafs = [], []
+    for design in track(designs, f"Judging, class {iso_class}", len(designs)):
+        daes.append(class_dae(design.law, iso_class))
+        dafs.append(simulate_loop(BEAM, TRUCK, design.law, JUDGED, X, roads).daf)
+    return designs, daes, np.reshape(dafs, (len(designs), JUDGED.size, 2, n_pairs)).mean(axis=2)
+
+
+def starts(designs):
+    """Number of the start of each design."""
+    kinds = [design.kind for design in designs]
+    return [kinds.index(kind) for kind in kinds]
 
 
 def interval(differences):
@@ -230,13 +246,12 @@ def interval(differences):
     return f"{found.mean:+.4f} ({found.low:+.4f} to {found.high:+.4f})"
 
 
-def report(iso_class, designs, dafs):
+def report(iso_class, designs, daes, dafs):
     """Print a class."""
-    per_pair = dafs.mean(axis=1)
-    own = [next(k for k, first in enumerate(designs) if first.kind == d.kind) for d in designs]
+    per_pair, own = dafs.mean(axis=1), starts(designs)
     print(f"\nclass {iso_class}: mean DAF of {dafs.shape[2]} mirror pairs of fresh roads")
     print(
-        f"{'damper':14}  {'tuned on':20}  s each  evaluations  promised  mean DAF  "
+        f"{'damper':14}  {'tuned on':20}  s each  evaluations  promised  class DAE  mean DAF  "
         f"{'change from the start (95 %)':30}  change from passive (95 %)"
     )
     for k in sorted(range(len(designs)), key=lambda k: [*PAIRS].index(designs[k].kind)):
@@ -247,7 +262,8 @@ def report(iso_class, designs, dafs):
         from_start = interval(per_pair[k] - per_pair[own[k]]) if k != own[k] else ""
         from_passive = interval(per_pair[k] - per_pair[0]) if k else ""
         print(
-            f"{design.kind:14}  {design.tuned_on:20}  {how}  {per_pair[k].mean():8.4f}  "
+            f"{design.kind:14}  {design.tuned_on:20}  {how}  {daes[k]:9.4f}  "
+            f"{per_pair[k].mean():8.4f}  "
             f"{from_start:30}  {from_passive}"
         )
     for kind, pairs in PAIRS.items():
@@ -270,52 +286,47 @@ def report(iso_class, designs, dafs):
             print(f"{design.kind} by {design.tuned_on}: gains {gains}")
 
 
-def style(design):
-    """Colour and label of a design in the figure."""
-    for words, colour, label in (
-        ("start", GREY, "untuned"),
-        ("class DAE", BLUE, "tuned on the class DAE"),
-        (" 5 pairs", SKY, "tuned on the DAF of 5 mirror pairs"),
-        ("DAF", VERMILLION, "tuned on the DAF of as many as cost the same"),
+def look(design):
+    """Line of a design in the figure."""
+    for words, colour, line, label in (
+        ("start", GREY, "-", "untuned"),
+        ("derived", GREY, "--", "bridgehook as derived"),
+        ("class DAE", BLUE, "-", "tuned on the class DAE"),
+        (" 5 pairs", SKY, "-", "on the DAF of 5 mirror pairs"),
+        ("DAF", VERMILLION, "-", "on the DAF of as many pairs as cost the same"),
     ):
         if words in design.tuned_on:
-            return {"color": colour, "label": label}
-    return None
+            return {"color": colour, "linestyle": line, "label": label}
+    raise ValueError(design.tuned_on)
 
 
 @styled
 def draw(found, path):
-    """Draw a row for each class: programs, and changes of the mean DAF over speed.
+    """Draw a row for each class: programs, and what tuning does to the mean DAF, over speed.
 
-    Changes are from the passive damper, with 95 % intervals of those that were tuned.
+    With 95 % intervals, of changes from the untuned damper of the same kind.
     """
-    figure = Figure(figsize=(14, 6.6), layout="constrained")
-    panels = figure.subplots(2, 4, sharex="col")
-    for row, (iso_class, (designs, dafs)) in zip(panels, found.items(), strict=True):
+    figure = Figure(figsize=(14, 3.3 * len(found)), layout="constrained")
+    panels = figure.subplots(len(found), 4, sharex="col", squeeze=False)
+    for row, (iso_class, (designs, _, dafs)) in zip(panels, found.items(), strict=True):
         columns = dict(zip(PAIRS, row[1:], strict=True))
         row[0].set(ylabel="damping c [kN s/m]", title=f"class {iso_class}: programs c(x)")
         row[0].axvspan(0, BEAM.length, color=BRIDGE_TINT, zorder=0)
-        row[1].set_ylabel("change of the mean DAF from passive [-]")
+        row[0].axhline(TRUCK.damping / 1e3, **look(designs[0]))
+        row[1].set_ylabel("change of the mean DAF [-]")
         for kind, axes in columns.items():
             axes.set_title(f"class {iso_class}: {kind}")
-        for design, changes in zip(designs, dafs - dafs[0], strict=True):
-            look = style(design)
-            if look is None:
-                continue
-            mean, low, high = np.transpose([paired(change) for change in changes])
-            axes = columns[design.kind]
-            axes.plot(JUDGED * 3.6, mean, **look)
-            if not design.evaluations:
-                continue
-            axes.fill_between(JUDGED * 3.6, low, high, color=look["color"], alpha=0.15, linewidth=0)
-            if design.kind == "program":
-                row[0].plot(KNOTS, np.exp(design.values) / 1e3, "o-", markersize=4, **look)
-        row[0].axhline(TRUCK.damping / 1e3, **style(designs[0]))
-    panels[1, 0].set(xlabel=STATION_LABEL, xlim=(KNOTS[0], BEAM.length))
-    for axes in panels[1, 1:]:
+        for design, change in zip(designs, dafs - dafs[starts(designs)], strict=True):
+            mean, low, high = np.transpose([paired(at_speed) for at_speed in change])
+            line, axes = look(design), columns[design.kind]
+            axes.plot(JUDGED * 3.6, mean, **line)
+            axes.fill_between(JUDGED * 3.6, low, high, color=line["color"], alpha=0.15, linewidth=0)
+            if design.kind == "program" and design.evaluations:
+                row[0].plot(KNOTS, np.exp(design.values) / 1e3, marker="o", markersize=4, **line)
+    panels[-1, 0].set(xlabel=STATION_LABEL, xlim=(KNOTS[0], BEAM.length))
+    for axes in panels[-1, 1:]:
         axes.set(xlabel=SPEED_LABEL, xlim=JUDGED[[0, -1]] * 3.6)
-    handles, labels = panels[0, 1].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    figure.legend(*panels[0, -1].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     figure.savefig(path)
 
 
@@ -323,11 +334,12 @@ def main():
     """Print the tables; draw them into the file named, if any."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--pairs", type=int, default=100, help="pairs of fresh roads")
+    parser.add_argument("--classes", default="AB", choices=("A", "B", "AB"), help="ISO classes")
     parser.add_argument("--seed", type=int, default=0, help="other training roads")
     parser.add_argument("--plot", help="file of the figure")
     given = parser.parse_args()
     found = {}
-    for iso_class in SEEDS:
+    for iso_class in given.classes:
         found[iso_class] = measure(iso_class, given.pairs, given.seed)
         report(iso_class, *found[iso_class])
     if given.plot:
