@@ -13,6 +13,7 @@ from .preset import preset
 from .program import program
 from .ramp_heights import RampHeights, ramp_heights
 from .result import LoopResult
+from .sensitivity import Sensitivity, program_sensitivity
 from .strategy import SIGNALS, Strategy
 from .tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
 
@@ -25,6 +26,7 @@ __all__ = [
     "LoopResult",
     "PeakValue",
     "RampHeights",
+    "Sensitivity",
     "Strategy",
     "add",
     "bridgehook",
@@ -41,6 +43,7 @@ __all__ = [
     "peak_value",
     "preset",
     "program",
+    "program_sensitivity",
     "ramp_heights",
     "selective_groundhook",
     "sh_add",

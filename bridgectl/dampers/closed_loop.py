@@ -80,7 +80,7 @@ def simulate_loop(
     crossing = Crossing(beam, bare_vehicle(vehicle), 1.0, section, recovery)
     device = as_damper(damper)
     c = check.speeds(speeds)
-    x, z = _roads(beam, stations, elevations)
+    x, z = checked_roads(beam, stations, elevations)
     names = _names(record)
     judge_crossing(crossing, c)
     judge_range(vehicle, device)
@@ -89,7 +89,9 @@ def simulate_loop(
     return Loop(crossing, device, c[order], x, z, names).run().of_speeds(np.argsort(order))
 
 
-def _roads(beam: Beam, stations: ArrayLike, elevations: ArrayLike) -> tuple[FloatArray, FloatArray]:
+def checked_roads(
+    beam: Beam, stations: ArrayLike, elevations: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
     """Stations [m], shape (n,), and elevations of roads there [m], shape (n_roads, n)."""
     x = check.array("stations", stations, (None,), unit="m")
     with suppress(ValueError):  # rows of different lengths, which the check tells of
