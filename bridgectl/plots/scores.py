@@ -114,7 +114,7 @@ def _draw_second_order(axes: Sequence[Axes], board: Scoreboard, looks: dict[str,
     rows, roughest = board.rows(), max(board.surfaces)
     told = dict.fromkeys([rows[0].strategy, board.strategies[0], rows[-1].strategy])
     draw_gains(axes[1], board, roughest, {name: looks[name].color for name in told})
-    axes[1].set_title(f"where ramps of class {roughest} act on the bridge")
+    axes[1].set_title(f"where ramps of class {roughest} act")
 
 
 def _looks(board: Scoreboard) -> dict[str, _Look]:
