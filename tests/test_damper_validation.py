@@ -195,11 +195,11 @@ def test_a_mistake_is_one_line_and_status_2(capsys, options, says):
 
 
 @pytest.mark.slow
-def test_the_class_dae_orders_dampers_on_the_papers_bridge():
-    """With 30 pairs of road and mirror image at 7 speeds; the whole takes `validate --dampers`."""
-    speeds = np.arange(60, 121, 10) / 3.6
-    for case, least in zip(validate_dampers(speeds, [25], 30, workers=1), (0.8, 0.85), strict=True):
-        assert case.tau_known.tau >= least
-        assert case.tau_eq_15.tau < 0.6
+def test_the_class_dae_orders_dampers_on_a_bridge_where_eq_15_does_not():
+    """35 m, 20 pairs of road and mirror image at 5 speeds; all of it takes `validate --dampers`."""
+    for case in validate_dampers(np.arange(60, 121, 15) / 3.6, [35], 20, workers=1):
+        assert case.tau_eq_15.tau < 0.3
+        assert case.tau.tau > 0.7
         assert case.clear_pairs.share >= 0.9
         assert case.far_pairs.share >= 0.97
+        assert case.error_ratio < 0.65
