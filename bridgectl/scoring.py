@@ -1,7 +1,8 @@
 """The score: what damper strategies do to a bridge, and to road, ride and suspension beside it.
 
 Each strategy runs over the same roads at the same speeds, next to its own unit ramps: one run gives
-its ramp surface and with it the DAE, the simulated DAF, and the measures of tire force and ride.
+the DAE of Eq. (15), the simulated DAF, and the measures of tire force and ride. Ramps down and up,
+of the height of the roads' classes, give the DAE of second order, over each class and of each road.
 """
 
 from __future__ import annotations
@@ -120,7 +121,7 @@ def score(
     workers: int | None = None,
     progress: bool = True,
 ) -> Scoreboard:
-    """Score damper strategies over roads and speeds.
+    """Score damper strategies over roads and speeds, by simulation and by DAE.
 
     Parameters
     ----------

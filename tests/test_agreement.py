@@ -35,18 +35,18 @@ def test_the_spread_is_compared_where_it_is_asked_for():
 
 
 def test_the_interval_holds_tau_as_often_as_it_says():
-    """Of 100 samples of 12 roads, the intervals of at least 80 hold the tau of all roads.
+    """Of 40 samples of 12 roads, the intervals of at least 32 hold the tau of all roads.
 
-    Percentiles of few roads drawn again are known to be narrow: 95 are not reached.
+    Percentiles of few roads drawn again are known to be narrow: 19 of 20 are not reached.
     """
     rng = np.random.default_rng(3)
     level, estimate = np.linspace(0, 0.3, 8), np.linspace(0, 1, 8) + 0.2 * rng.normal(size=8)
     true = kendalltau(estimate, level).statistic
     inside = 0
-    for _ in range(100):
+    for _ in range(40):
         found = agreement(estimate, level[:, None, None] + 0.2 * rng.normal(size=(8, 12, 1)))
         inside += found.low <= true <= found.high
-    assert inside >= 80
+    assert inside >= 32
 
 
 def test_one_road_has_no_interval_and_equal_values_no_order():

@@ -11,7 +11,8 @@ from scipy.stats import kendalltau
 import bridgectl as bc
 from bridgectl import damper_validation
 from bridgectl.agreement import paired
-from bridgectl.damper_validation import DamperCase, known_dampers, unseen_dampers, validate_dampers
+from bridgectl.damper_sets import known_dampers, unseen_dampers
+from bridgectl.damper_validation import DamperCase, validate_dampers
 from bridgectl.dampers import simulate_loop
 from bridgectl.plots import damper_validation_figure
 from bridgectl.report_dampers import print_damper_validation

@@ -23,6 +23,7 @@ import pytest
 import bridgectl as bc
 from bridgectl import dampers, measures, paper, passive_theory
 from bridgectl.agreement import Agreement, Paired, Pairs
+from bridgectl.damper_validation import DamperCase, Wrong
 from bridgectl.extremes import equal_roughness_pair, extreme_road
 from bridgectl.road import PsdFit, bump
 from bridgectl.scoreboard import MEASURES, ClassRow, Ranking, Scoreboard
@@ -54,6 +55,8 @@ OFFERED = {
         "pairs_in_order",
         "rank_correlation",
     ],
+    "bridgectl.damper_sets": ["known_dampers", "unseen_dampers"],
+    "bridgectl.damper_validation": ["DamperCase", "Wrong", "validate_dampers"],
     "bridgectl.paper": ["PaperResults", "Row", "paper_results"],
     "bridgectl.passive_theory": [
         "InvariantFrequencies",
@@ -264,7 +267,7 @@ def test_every_function_and_class_has_an_example(name):
 
 
 QUANTITY = re.compile(r"\d (m|N|kg|s|Hz|J|mm|ms|m/s|m/km|km/h|cycles/m|kN|1/\(N s\))\b")
-DIMENSIONLESS_CLASSES = (Agreement, ClassRow, Paired, Pairs, Ranking, WarningLight)
+DIMENSIONLESS_CLASSES = (Wrong, Agreement, ClassRow, Paired, Pairs, Ranking, WarningLight)
 
 
 @pytest.fixture(scope="module")
@@ -287,6 +290,8 @@ def things(bridge, truck):
     result = paper.Row("critical speed", "km/h", 105.0, 104.0)
     light = WarningLight(0.02, 100, 10, 8, 7)
     order = Agreement(0.8, 0.7, 0.9), Pairs(41, 44)
+    daf = 1 + 0.1 * np.random.default_rng(0).normal(size=(3, 2, 2, 1))
+    judged = DamperCase(25.0, "A", ("a", "b", "c"), 2, daf, daf, daf, np.array([1.0, 1.1, 1.2]))
     return [
         bridge, truck, truck.linear, bc.Crossing(bridge, truck, 25.0), road, surface, board,
         *[board.rows()[0], board.difference("skyhook"), bc.dae_trust(surface, road)],
@@ -302,7 +307,8 @@ def things(bridge, truck):
         passive_theory.variances(truck, "A", speeds),
         passive_theory.invariant_frequencies(truck), result,
         paper.PaperResults((result,), surface, surface),
-        *order, ClassRow("skyhook", 1.1, 0.1, 1.2, 0.1), Ranking("class DAE", "all", *order),
+        judged, Wrong("skyhook", "ADD", 0.01, 0.0), *order,
+        ClassRow("skyhook", 1.1, 0.1, 1.2, 0.1), Ranking("class DAE", "all", *order),
         case, case.daf_peak, light, ValidationResults((road,), surface.speeds, (case,), light),
     ]  # fmt: skip
 
