@@ -26,14 +26,15 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
+from bridgectl._version import __version__ as __version__
+
 if TYPE_CHECKING:
-    from bridgectl import li2006
     from bridgectl._plausible import PlausibilityWarning
-    from bridgectl.beam import Beam
-    from bridgectl.crossing import Crossing, crossing_system
-    from bridgectl.dae import RampSurface
-    from bridgectl.quarter_car import QuarterCar, convoy
-    from bridgectl.response import LiftOffWarning, crossing_response, daf
+    from bridgectl.model.beam import Beam
+    from bridgectl.model.crossing import Crossing, crossing_system
+    from bridgectl.model.quarter_car import QuarterCar, convoy
+    from bridgectl.model.vehicle import Vehicle
+    from bridgectl.paper import li2006
     from bridgectl.road import (
         ProfileFileError,
         RoadProfile,
@@ -43,14 +44,13 @@ if TYPE_CHECKING:
         utia_road,
         write_profile,
     )
-    from bridgectl.scoreboard import Scoreboard
-    from bridgectl.scoring import score
-    from bridgectl.surface import ramp_surface
-    from bridgectl.surface_file import SurfaceFileError, load_surface
-    from bridgectl.trust import DaeTrust, dae_trust
-    from bridgectl.vehicle import Vehicle
-
-__version__ = "0.1.0"
+    from bridgectl.scoring.board import Scoreboard
+    from bridgectl.scoring.run import score
+    from bridgectl.simulate import LiftOffWarning, crossing_response, daf
+    from bridgectl.surface.compute import ramp_surface
+    from bridgectl.surface.file import SurfaceFileError, load_surface
+    from bridgectl.surface.surface import RampSurface
+    from bridgectl.surface.trust import DaeTrust, dae_trust
 
 __all__ = [
     "Beam",
@@ -81,29 +81,30 @@ __all__ = [
     "write_profile",
 ]
 
-_ROOMS = (
-    "dampers", "extremes", "li2006", "measures", "passive_theory", "plots", "road", "validation",
-    "weighting",
-)  # fmt: skip
-"""Modules that are offered as such."""
+_ROOMS = {
+    "dampers": "dampers", "extremes": "extremes", "li2006": "paper.li2006",
+    "measures": "measures", "passive_theory": "dampers.passive_theory", "plots": "plots",
+    "road": "road", "validation": "paper.validation", "weighting": "measures.weighting",
+}  # fmt: skip
+"""Modules that are offered as such, and where they are."""
 
 _HOMES = {
     "_plausible": ("PlausibilityWarning",),
-    "beam": ("Beam",),
-    "crossing": ("Crossing", "crossing_system"),
-    "dae": ("RampSurface",),
-    "quarter_car": ("QuarterCar", "convoy"),
-    "response": ("LiftOffWarning", "crossing_response", "daf"),
+    "model.beam": ("Beam",),
+    "model.crossing": ("Crossing", "crossing_system"),
+    "model.quarter_car": ("QuarterCar", "convoy"),
+    "model.vehicle": ("Vehicle",),
     "road": (
         "ProfileFileError", "RoadProfile", "iso8608_profile", "read_profile", "read_tracks",
         "utia_road", "write_profile",
     ),
-    "scoreboard": ("Scoreboard",),
-    "scoring": ("score",),
-    "surface": ("ramp_surface",),
-    "surface_file": ("SurfaceFileError", "load_surface"),
-    "trust": ("DaeTrust", "dae_trust"),
-    "vehicle": ("Vehicle",),
+    "scoring.board": ("Scoreboard",),
+    "scoring.run": ("score",),
+    "simulate": ("LiftOffWarning", "crossing_response", "daf"),
+    "surface.compute": ("ramp_surface",),
+    "surface.file": ("SurfaceFileError", "load_surface"),
+    "surface.surface": ("RampSurface",),
+    "surface.trust": ("DaeTrust", "dae_trust"),
 }  # fmt: skip
 """Where the other names are from. All are loaded when they are first used: that takes a second,
 in which the command line must already listen to Ctrl-C, and the dampers bring CasADi."""
@@ -120,6 +121,9 @@ def __getattr__(name: str) -> Any:
     if home is not None:
         globals()[name] = found = getattr(import_module(f"bridgectl.{home}"), name)
         return found
+    if name in _ROOMS:
+        globals()[name] = room = import_module(f"bridgectl.{_ROOMS[name]}")
+        return room
     if not name.startswith("__") and find_spec(f"bridgectl.{name}"):
         return import_module(f"bridgectl.{name}")
     raise AttributeError(f"module 'bridgectl' has no attribute {name!r}")

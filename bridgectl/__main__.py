@@ -12,12 +12,12 @@ def main() -> int:
     Returns
     -------
     int
-        Exit status, see `bridgectl.cli.main`; 130 after Ctrl-C.
+        Exit status, see `bridgectl.cli.main.main`; 130 after Ctrl-C.
     """
     heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # not so under nohup
     if heard:  # nothing is lost yet, and an exception might end in a library's own import
         signal.signal(signal.SIGINT, lambda *_: os._exit(130))
-    from bridgectl.cli import main as run
+    from bridgectl.cli.main import main as run
 
     if heard:
         signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -9,7 +9,7 @@ import control as ct
 import numpy as np
 
 import bridgectl as bc
-from bridgectl.cli import main
+from bridgectl.cli.main import main
 from bridgectl.dampers.strategy import CROSSING_OUTPUTS
 
 

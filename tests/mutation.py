@@ -2,10 +2,10 @@
 
 From the root of the repository, with the extra `dev` installed:
 
-    python tests/mutation.py "bridgectl.peaks*" "bridgectl.road.iri*"
+    python tests/mutation.py "bridgectl.linear.peaks*" "bridgectl.road.iri*"
     cd .mutation
     mutmut results
-    mutmut show bridgectl.peaks.x_margins__mutmut_19
+    mutmut show bridgectl.linear.peaks.x_margins__mutmut_19
 
 `[tool.mutmut]` in pyproject.toml says which modules are changed and which tests look on. Begin
 with a module or two: first of all every test runs once, which takes some minutes, and a
@@ -15,7 +15,7 @@ not changed.
 Judge those that live. What test modules make as they are imported was made without the
 mistake: look again, in `.mutation/mutants`, with
 
-    MUTANT_UNDER_TEST=bridgectl.peaks.x_margins__mutmut_19 python -m pytest -n0 -x tests
+    MUTANT_UNDER_TEST=bridgectl.linear.peaks.x_margins__mutmut_19 python -m pytest -n0 -x tests
 
 Some are no mistakes: `<` for `<=` of real numbers, labels of an `einsum` in capitals, a
 shortcut that is not taken, a word of a message, a bound of tuning moved by 1 in 1e6. The others

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import kendalltau
 
-from bridgectl.agreement import (
+from bridgectl.scoring.agreement import (
     Agreement,
     Pairs,
     agreement,

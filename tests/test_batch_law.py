@@ -8,7 +8,7 @@ import pytest
 
 from bridgectl import dampers
 from bridgectl.dampers import SIGNALS, Strategy
-from bridgectl.dampers.batch_law import OPERATIONS, BatchLaw
+from bridgectl.dampers.loop.batch_law import OPERATIONS, BatchLaw
 
 rng = np.random.default_rng(0)
 SHAPE = 3, 400

@@ -7,8 +7,8 @@ import pytest
 
 import bridgectl as bc
 from bridgectl import dampers
-from bridgectl.class_surfaces import EVERY, classes_of, with_surface
 from bridgectl.road import iso8608_elevations
+from bridgectl.scoring.classes import EVERY, classes_of, with_surface
 
 SPEEDS = np.array([30.0, 20.0])
 LAWS = [dampers.passive(7e3), dampers.skyhook(1e3, 30e3), dampers.preset(1e3, 30e3)]
@@ -106,7 +106,7 @@ def test_rankings_are_of_all_roads_and_of_each_class(board):
 
 def test_more_roads_leave_the_classes_that_a_file_keeps(tmp_path, monkeypatch):
     """A class does not depend on the roads; the roads' own parts are done again."""
-    from bridgectl import scoring
+    from bridgectl.scoring import run as scoring
 
     file, whole, done = tmp_path / "score.jsonl", scoring._part, []
 

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import bridgectl as bc
-from bridgectl.cli import main
+from bridgectl.cli.main import main
 
 QUICK = ["--approach", "10", "--speeds", "80:110:30"]
 UTIA = files("bridgectl.road").joinpath("data/utia_profile_1.txt").read_bytes()

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-import bridgectl.cli
-from bridgectl import scoring
+import bridgectl.cli.main
 from bridgectl.__main__ import main
+from bridgectl.scoring import run as scoring
 
 SCORE = [
     "score", "--random", "1", "--strategies", "skyhook,groundhook,hybrid,ADD", "--approach", "30",
@@ -108,7 +108,7 @@ def test_the_program_hears_ctrl_c_until_it_leaves(monkeypatch):
         assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(bridgectl.cli, "main", run)
+    monkeypatch.setattr(bridgectl.cli.main, "main", run)
     assert main() == 130
     assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
 
@@ -116,7 +116,7 @@ def test_the_program_hears_ctrl_c_until_it_leaves(monkeypatch):
 @pytest.mark.usefixtures("own_signal")
 def test_a_program_that_was_started_deaf_to_ctrl_c_stays_so(monkeypatch):
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    monkeypatch.setattr(bridgectl.cli, "main", lambda: 2)
+    monkeypatch.setattr(bridgectl.cli.main, "main", lambda: 2)
     assert main() == 2
     assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
 

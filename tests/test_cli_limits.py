@@ -3,7 +3,7 @@ import json
 import pytest
 
 import bridgectl as bc
-from bridgectl.cli import main
+from bridgectl.cli.main import main
 
 QUICK = ["dae", "--approach", "10", "--speeds", "80"]
 

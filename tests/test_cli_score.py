@@ -7,9 +7,9 @@ import pytest
 from helpers import run_command
 
 import bridgectl as bc
-from bridgectl import scoring
-from bridgectl.cli import main
+from bridgectl.cli.main import main
 from bridgectl.dampers import library
+from bridgectl.scoring import run as scoring
 
 QUICK = ["--approach", "2", "--speeds", "80", "--workers", "1", "--span", "9", "--modes", "1"]
 TWO = [*QUICK, "--strategies", "skyhook", "--random", "1"]

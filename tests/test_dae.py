@@ -5,8 +5,8 @@ import pytest
 from helpers import rough_road
 
 import bridgectl as bc
-from bridgectl.peaks import find_peaks
-from bridgectl.ramps import DenseHistories, _RampsApart
+from bridgectl.linear.peaks import find_peaks
+from bridgectl.surface.histories import DenseHistories, _RampsApart
 
 SPEED = 110 / 3.6
 SWEEP = np.arange(50, 151, 10) / 3.6

@@ -9,14 +9,14 @@ from helpers import run_command
 from scipy.stats import kendalltau
 
 import bridgectl as bc
-from bridgectl import damper_validation
-from bridgectl.agreement import paired
-from bridgectl.damper_sets import known_dampers, unseen_dampers
-from bridgectl.damper_validation import DamperCase, validate_dampers
+from bridgectl.cli.dampers import print_damper_validation
 from bridgectl.dampers import simulate_loop
+from bridgectl.paper import damper_validation
+from bridgectl.paper.damper_sets import known_dampers, unseen_dampers
+from bridgectl.paper.damper_validation import DamperCase, validate_dampers
 from bridgectl.plots import damper_validation_figure
-from bridgectl.report_dampers import print_damper_validation
 from bridgectl.road import iso8608_elevations
+from bridgectl.scoring.agreement import paired
 
 SMALL = ("validate", "--dampers", "--spans", "9", "--speeds", "110", "--pairs", "2")
 
@@ -157,7 +157,7 @@ def test_the_command_prints_draws_and_keeps(capsys, tmp_path, monkeypatch):
     assert picture.stat().st_size > 10_000
     assert [path.name for path in tmp_path.glob("*.jsonl")] == ["dampers-9m.jsonl"]
     # All is kept: nothing is computed the second time.
-    monkeypatch.setattr("bridgectl.scoring._part", None)
+    monkeypatch.setattr("bridgectl.scoring.run._part", None)
     status, again, _ = run_command(capsys, *options, "--json")
     assert status == 0
     content = json.loads(again)

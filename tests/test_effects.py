@@ -7,9 +7,9 @@ import pytest
 from helpers import random_case, rough_road
 
 import bridgectl as bc
-from bridgectl.effects import static_peak
-from bridgectl.propagator import sample_positions
-from bridgectl.simulation import prepare, reference_effect
+from bridgectl.linear.cells import sample_positions
+from bridgectl.linear.runs import prepare, reference_effect
+from bridgectl.model.effects import static_peak
 
 EFFECTS = ["deflection", "tire_force", "acceleration", "moment"]
 

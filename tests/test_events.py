@@ -10,7 +10,7 @@ from test_closed_loop import LAWS, SOFT, STIFF, laws, random_loop
 
 import bridgectl as bc
 from bridgectl.dampers import Damper, passive, preset, simulate_loop, skyhook
-from bridgectl.dampers.events import Regime, first_sign_change
+from bridgectl.dampers.loop.events import Regime, first_sign_change
 
 ROUGH = 40
 """How many times steeper a road is made for a tire to leave it."""

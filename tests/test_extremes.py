@@ -6,7 +6,7 @@ from scipy.sparse.linalg import spsolve
 
 import bridgectl as bc
 from bridgectl.extremes import equal_roughness_pair, extreme_road, linear_program, pairs
-from bridgectl.peaks import find_peaks
+from bridgectl.linear.peaks import find_peaks
 
 KMH = np.arange(60, 121, 10)
 SPEEDS = KMH / 3.6

@@ -29,11 +29,11 @@ from matplotlib.text import Text
 from PIL import Image
 
 import bridgectl as bc
-from bridgectl.dae import RampSurface
-from bridgectl.damper_validation import DamperCase
 from bridgectl.dampers import passive, skyhook
 from bridgectl.extremes import EqualRoughnessPair
-from bridgectl.paper import PaperResults
+from bridgectl.paper.damper_validation import DamperCase
+from bridgectl.paper.printed import PaperResults
+from bridgectl.paper.validation import Case, ValidationResults, WarningLight
 from bridgectl.plots import (
     crossing_animation,
     dae_figure,
@@ -47,9 +47,9 @@ from bridgectl.plots import (
     score_figure,
     validation_figure,
 )
-from bridgectl.ramps import FeedbackHistories
-from bridgectl.scoreboard import MEASURES, Scoreboard
-from bridgectl.validation import Case, ValidationResults, WarningLight
+from bridgectl.scoring.board import MEASURES, Scoreboard
+from bridgectl.surface.histories import FeedbackHistories
+from bridgectl.surface.surface import RampSurface
 
 IMAGES = Path(__file__).with_name("data") / "images"
 

@@ -9,7 +9,7 @@ import pytest
 
 import bridgectl as bc
 from bridgectl.dampers import SIGNALS, Strategy
-from bridgectl.dampers.batch_law import BatchLaw
+from bridgectl.dampers.loop.batch_law import BatchLaw
 
 SOFT, STIFF = 1e3, 30e3
 

@@ -13,7 +13,7 @@ import bridgectl as bc
 from bridgectl import dampers
 from bridgectl.dampers import SIGNALS
 from bridgectl.dampers.lqr import FEEDBACK, equal_weights, regulator
-from bridgectl.passive_theory import variances
+from bridgectl.dampers.passive_theory import variances
 
 SOFT, STIFF = 1e3, 30e3
 TRUCK = bc.li2006.car()

@@ -9,8 +9,8 @@ from helpers import rough_road
 import bridgectl as bc
 from bridgectl.road import add_events, iso8608_elevations, step
 from bridgectl.road.iri import GOOD
-from bridgectl.tire_contact import TireContact
-from bridgectl.trust import TALLEST, TOLERANCE, DaeTrust
+from bridgectl.surface.tire_contact import TireContact
+from bridgectl.surface.trust import TALLEST, TOLERANCE, DaeTrust
 
 KMH = np.array([60, 80, 100, 120])
 APPROACH = 40.0
@@ -49,7 +49,7 @@ def test_a_batch_of_superposed_dafs_is_what_is_simulated(surface, elevations):
 
 def test_batches_larger_than_what_fits_at_once_are_cut(surface, elevations, monkeypatch):
     whole = surface.superposed_daf(elevations)
-    monkeypatch.setattr("bridgectl.dae.ROADS_AT_ONCE", 7)
+    monkeypatch.setattr("bridgectl.surface.surface.ROADS_AT_ONCE", 7)
     assert surface.superposed_daf(elevations) == pytest.approx(whole, abs=1e-12)
 
 
@@ -97,7 +97,7 @@ def test_the_least_tire_force_is_that_of_a_simulation(bridge, truck, vehicle, mo
     contact = surface._contact
     assert isinstance(contact, TireContact)
     for margin in (-0.02, 0.02):
-        monkeypatch.setattr("bridgectl.tire_contact.DOUBTFUL", least + margin)
+        monkeypatch.setattr("bridgectl.surface.tire_contact.DOUBTFUL", least + margin)
         assert contact.doubtful(0, drops)[0] == (margin > 0)
 
 

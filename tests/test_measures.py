@@ -18,7 +18,7 @@ from bridgectl.measures import (
     road_stress_factor,
     switching_count,
 )
-from bridgectl.weighting import weighted_acceleration, weighted_rms, weighting_filter
+from bridgectl.measures.weighting import weighted_acceleration, weighted_rms, weighting_filter
 
 W = 98.1e3
 ONE_AXIS = [rms, largest, peak_to_peak]

@@ -7,10 +7,11 @@ import pytest
 from helpers import rough_road
 
 import bridgectl as bc
-from bridgectl.dampers import bridgehook, clairvoyant, optimal_steps, passive, simulate_loop
-from bridgectl.dampers import optimal as room
+from bridgectl.dampers import bridgehook, clairvoyant, passive, simulate_loop
+from bridgectl.dampers.optimum import clairvoyant as room
+from bridgectl.dampers.optimum import steps as optimal_steps
+from bridgectl.linear.runs import prepare
 from bridgectl.road import iso8608_elevations
-from bridgectl.simulation import prepare
 
 SOFT, STIFF = 1e3, 30e3
 SPEED, START, STEP = 25.0, -15.0, 0.01

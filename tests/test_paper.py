@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import bridgectl as bc
-from bridgectl.paper import paper_results
+from bridgectl.paper.printed import paper_results
 
 
 @pytest.fixture(scope="module")

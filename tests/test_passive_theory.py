@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
 import bridgectl as bc
-from bridgectl.measures import dynamic_load_coefficient
-from bridgectl.passive_theory import (
+from bridgectl.dampers.passive_theory import (
     comfort_damping,
     invariant_frequencies,
     road_damping,
     variances,
     white_velocity,
 )
+from bridgectl.measures import dynamic_load_coefficient
 from bridgectl.road import iso8608_elevations, shaping_filter
 
 # Closed forms hold for every quarter-car: of any masses and damping, such as no vehicle has.

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from bridgectl.peaks import find_peaks, margins, raise_peaks, whole_cells
-from bridgectl.propagator import sample_positions
+from bridgectl.linear.cells import sample_positions
+from bridgectl.linear.peaks import find_peaks, margins, raise_peaks, whole_cells
 
 NODES = np.linspace(0, 10, 41)
 X = sample_positions(NODES)

@@ -14,9 +14,9 @@ from helpers import run_command
 
 import bridgectl as bc
 from bridgectl.dampers import Damper, groundhook, passive, simulate_loop, skyhook
-from bridgectl.li2006 import DECKS
+from bridgectl.measures.weighting import weighted_rms
+from bridgectl.paper.li2006 import DECKS
 from bridgectl.road.footprint import tire_footprint
-from bridgectl.weighting import weighted_rms
 
 BRIDGE = 25.0, 18358.0, 4.865e10
 TRUCK = 9000.0, 1000.0, 80e3, 1.8e6, 7e3

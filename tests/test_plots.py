@@ -4,7 +4,7 @@ from helpers import rough_road
 
 import bridgectl as bc
 from bridgectl.extremes import equal_roughness_pair
-from bridgectl.paper import paper_results
+from bridgectl.paper.printed import paper_results
 from bridgectl.plots import (
     dae_figure,
     lines_plot,

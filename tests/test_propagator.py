@@ -5,9 +5,15 @@ import pytest
 from helpers import random_case, rough_road
 
 import bridgectl as bc
-from bridgectl import propagator
-from bridgectl.propagator import SAMPLES, cell_nodes, kink_positions, merge_places, sample_positions
-from bridgectl.simulation import effect_samples, prepare, propagate
+from bridgectl.linear import cells as propagator
+from bridgectl.linear.cells import (
+    SAMPLES,
+    cell_nodes,
+    kink_positions,
+    merge_places,
+    sample_positions,
+)
+from bridgectl.linear.runs import effect_samples, prepare, propagate
 
 
 def moments(case, refine):

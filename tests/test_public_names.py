@@ -21,19 +21,21 @@ import numpy as np
 import pytest
 
 import bridgectl as bc
-from bridgectl import dampers, measures, paper, passive_theory
-from bridgectl.agreement import Agreement, Paired, Pairs
-from bridgectl.damper_validation import DamperCase, Wrong
+from bridgectl import dampers, measures
+from bridgectl.dampers import passive_theory
 from bridgectl.extremes import equal_roughness_pair, extreme_road
+from bridgectl.paper import printed as paper
+from bridgectl.paper.damper_validation import DamperCase, Wrong
+from bridgectl.paper.validation import Case, ValidationResults, WarningLight
 from bridgectl.road import PsdFit, bump
-from bridgectl.scoreboard import MEASURES, ClassRow, Ranking, Scoreboard
-from bridgectl.validation import Case, ValidationResults, WarningLight
+from bridgectl.scoring.agreement import Agreement, Paired, Pairs
+from bridgectl.scoring.board import MEASURES, ClassRow, Ranking, Scoreboard
 
 WITH_ALL = ("bridgectl", *(f"bridgectl.{m}" for m in ("dampers", "extremes", "plots", "road")))
 
 OFFERED = {
-    "bridgectl.good_roads": ["good_roads"],
-    "bridgectl.li2006": ["beam", "car", "fig7_road"],
+    "bridgectl.paper.good_roads": ["good_roads"],
+    "bridgectl.paper.li2006": ["beam", "car", "fig7_road"],
     "bridgectl.measures": [
         "FourthPower",
         "aggregate_fourth_power",
@@ -45,7 +47,7 @@ OFFERED = {
         "road_stress_factor",
         "switching_count",
     ],
-    "bridgectl.agreement": [
+    "bridgectl.scoring.agreement": [
         "Agreement",
         "Paired",
         "Pairs",
@@ -55,10 +57,10 @@ OFFERED = {
         "pairs_in_order",
         "rank_correlation",
     ],
-    "bridgectl.damper_sets": ["known_dampers", "unseen_dampers"],
-    "bridgectl.damper_validation": ["DamperCase", "Wrong", "validate_dampers"],
-    "bridgectl.paper": ["PaperResults", "Row", "paper_results"],
-    "bridgectl.passive_theory": [
+    "bridgectl.paper.damper_sets": ["known_dampers", "unseen_dampers"],
+    "bridgectl.paper.damper_validation": ["DamperCase", "Wrong", "validate_dampers"],
+    "bridgectl.paper.printed": ["PaperResults", "Row", "paper_results"],
+    "bridgectl.dampers.passive_theory": [
         "InvariantFrequencies",
         "Variances",
         "comfort_damping",
@@ -67,9 +69,9 @@ OFFERED = {
         "variances",
         "white_velocity",
     ],
-    "bridgectl.scoreboard": ["ClassRow", "Ranking", "Row"],
-    "bridgectl.validation": ["Case", "Peak", "ValidationResults", "WarningLight", "validate"],
-    "bridgectl.weighting": ["weighted_acceleration", "weighted_rms", "weighting_filter"],
+    "bridgectl.scoring.board": ["ClassRow", "Ranking", "Row"],
+    "bridgectl.paper.validation": ["Case", "Peak", "ValidationResults", "WarningLight", "validate"],
+    "bridgectl.measures.weighting": ["weighted_acceleration", "weighted_rms", "weighting_filter"],
 }
 """Public names of modules without ``__all__``; what else is there is for the package itself."""
 
@@ -363,7 +365,7 @@ def test_nothing_is_loaded_before_it_is_used():
 
 def test_every_module_is_found_by_its_name_loaded_or_not():
     program = (
-        "import bridgectl as b; assert b.surface.ramp_surface is b.ramp_surface; "
-        "assert b.response.daf is b.daf and b.road.iri and not hasattr(b, 'absent')"
+        "import bridgectl as b; assert b.RampSurface is b.surface.surface.RampSurface; "
+        "assert b.simulate.daf is b.daf and b.road.iri and not hasattr(b, 'absent')"
     )
     subprocess.run([sys.executable, "-c", program], check=True)

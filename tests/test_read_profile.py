@@ -17,18 +17,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bridgectl.road import (
-    ProfileFileError,
-    RoadProfile,
-    lines,
-    packed,
-    read,
-    read_profile,
-    read_tracks,
-    table,
-    tracks,
-    utia_road,
-)
+from bridgectl.road import ProfileFileError, RoadProfile, read_profile, read_tracks, utia_road
+from bridgectl.road.files import lines, packed, read, table, tracks
 
 SHARED = Path(__file__).parents[2] / "shared" / "profiles"
 UTIA = (resources.files("bridgectl.road") / "data" / "utia_profile_1.txt").read_bytes()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bridgectl as bc
-from bridgectl.cli import main
+from bridgectl.cli.main import main
 
 README = Path(__file__).parents[1] / "README.md"
 

@@ -7,7 +7,7 @@ import pytest
 
 import bridgectl as bc
 from bridgectl.dampers import groundhook, passive, skyhook
-from bridgectl.report_score import dae_sentences, score_text
+from bridgectl.scoring.text import dae_sentences, score_text
 
 
 @pytest.fixture(scope="module")

@@ -7,9 +7,9 @@ from helpers import random_case, rough_road
 from scipy.integrate import solve_ivp
 
 import bridgectl as bc
-from bridgectl.contact import fly
-from bridgectl.propagator import build_cells
-from bridgectl.simulation import first_flight, linear_contact, prepare, speed_batches
+from bridgectl.linear.cells import build_cells
+from bridgectl.linear.lift_off import fly
+from bridgectl.linear.runs import first_flight, linear_contact, prepare, speed_batches
 
 UM = 1e-6
 

@@ -9,12 +9,13 @@ import pytest
 from scipy import stats
 
 import bridgectl as bc
-from bridgectl import dampers, measures, scoring
-from bridgectl.agreement import paired, rank_correlation
+from bridgectl import dampers, measures
 from bridgectl.dampers import Damper, simulate_loop
+from bridgectl.measures.weighting import weighted_rms
 from bridgectl.road import iso8608_elevations
-from bridgectl.scoreboard import MEASURES
-from bridgectl.weighting import weighted_rms
+from bridgectl.scoring import run as scoring
+from bridgectl.scoring.agreement import paired, rank_correlation
+from bridgectl.scoring.board import MEASURES
 
 SPEEDS = np.array([30.0, 20.0])
 STRATEGIES = (dampers.passive(7e3), dampers.skyhook(1e3, 30e3), dampers.add(1e3, 30e3))

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import bridgectl
-from bridgectl import score_file
-from bridgectl.score_file import Parts
+from bridgectl.scoring import file as score_file
+from bridgectl.scoring.file import Parts
 
 SHAPES = {"daf": (2, 3), "daf_smooth": (3,)}
 NAMES = ("passive", "skyhook", "bridgehook", "Größe")
@@ -227,7 +227,7 @@ def test_lines_of_another_study_in_a_file_are_refused(file, tmp_path):
 
 
 def test_parts_by_another_version_are_not_mixed_in(file, monkeypatch):
-    monkeypatch.setattr(bridgectl, "__version__", "9.9")
+    monkeypatch.setattr(bridgectl._version, "__version__", "9.9")
     assert refused(file) == (
         "FILE is by bridgectl 0.1.0, not 9.9, and parts of two versions are not mixed: type the "
         "name of a new file, or install bridgectl==0.1.0 to go on"
@@ -307,7 +307,7 @@ def test_a_full_disk_is_an_error_of_the_file_and_costs_no_part(file, room):
 def test_a_process_that_is_killed_while_it_writes_costs_one_part(tmp_path):
     program = (
         "import itertools, numpy as np\n"
-        "from bridgectl.score_file import Parts\n"
+        "from bridgectl.scoring.file import Parts\n"
         "asked = {(str(i), ''): {'daf': (50, 99)} for i in range(10_000)}\n"
         f"with Parts({str(tmp_path / 'score.jsonl')!r}, {STUDY!r}, asked) as parts:\n"
         "    for i in range(10_000):\n"

@@ -15,11 +15,11 @@ import pytest
 from helpers import rough_road
 
 import bridgectl as bc
-from bridgectl import surface_file
-from bridgectl.ramps import DenseHistories
-from bridgectl.surface_file import SurfaceFileError, load_surface, save_surface
-from bridgectl.surface_parts import COMPUTED, UNITS
-from bridgectl.surface_xarray import surface_to_xarray
+from bridgectl.surface import file as surface_file
+from bridgectl.surface.file import SurfaceFileError, load_surface, save_surface
+from bridgectl.surface.histories import DenseHistories
+from bridgectl.surface.labelled import surface_to_xarray
+from bridgectl.surface.parts import COMPUTED, UNITS
 
 SPEEDS = np.array([70, 90, 110]) / 3.6
 LEGS = np.array([[1, -1.5, -1, 0], [1, 2.5, 0, -1]])

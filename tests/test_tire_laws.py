@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import bridgectl as bc
 from bridgectl import dampers
 from bridgectl.dampers import SIGNALS
-from bridgectl.passive_theory import invariant_frequencies
+from bridgectl.dampers.passive_theory import invariant_frequencies
 
 SOFT, STIFF = 1e3, 30e3
 TRUCK = bc.li2006.car()

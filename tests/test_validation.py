@@ -8,17 +8,17 @@ import pytest
 from helpers import rough_road, run_command
 
 import bridgectl as bc
-from bridgectl.good_roads import EXTREME_RAMP, good_roads
-from bridgectl.plots import validation_figure
-from bridgectl.report_validation import print_validation
-from bridgectl.road.iri import GOOD
-from bridgectl.validation import (
+from bridgectl.cli.validation import print_validation
+from bridgectl.paper.good_roads import EXTREME_RAMP, good_roads
+from bridgectl.paper.validation import (
     PEAK_TOLERANCE,
     SPANS,
     STARTS,
     SUPERPOSED_TOLERANCE,
     validate,
 )
+from bridgectl.plots import validation_figure
+from bridgectl.road.iri import GOOD
 
 FEW = np.array([66.0, 100.0, 108.0]) / 3.6
 

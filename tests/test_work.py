@@ -10,13 +10,13 @@ from helpers import run_command
 
 import bridgectl as bc
 from bridgectl import _progress, _work
-from bridgectl._estimates import require_crossing, require_surface
 from bridgectl._progress import track
 from bridgectl.dampers import Damper, passive, simulate_loop, skyhook
 from bridgectl.dampers.actuator import bare_vehicle
-from bridgectl.dampers.work import require_loop
+from bridgectl.dampers.loop.work import require_loop
+from bridgectl.linear.estimates import require_crossing, require_surface
+from bridgectl.linear.runs import prepare
 from bridgectl.road import iso8608_elevations
-from bridgectl.simulation import prepare
 
 SKYHOOK = skyhook(1e3, 30e3)
 DENSE, STIFF = Damper(SKYHOOK, sample_time=1e-9), skyhook(1e3, 1e11)

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bridgectl.road import RoadProfile, read_profile, read_tracks, utia_road, write, write_profile
+from bridgectl.road import RoadProfile, read_profile, read_tracks, utia_road, write_profile
+from bridgectl.road.files import write
 
 ROAD = RoadProfile([0.0, 0.1, 0.2], [0.0, 0.001, 1e-17], name="left")
 NAMES = st.text(max_size=50) | st.sampled_from(

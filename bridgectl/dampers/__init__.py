@@ -1,21 +1,30 @@
 """Semi-active dampers: strategies as CasADi expressions, and crossings with them in the loop."""
 
-from .actuator import Damper
-from .bridgehook import Bridgehook, bridgehook
-from .closed_loop import simulate_loop
-from .costate import Costate, costate
-from .laws import add, continuous_skyhook, groundhook, hybrid, passive, pdd, sh_add, skyhook
-from .library import library
-from .lqr import clipped_lqr
-from .optimal import Clairvoyant, clairvoyant
-from .peak_value import PeakValue, peak_value
-from .preset import preset
-from .program import program
-from .ramp_heights import RampHeights, ramp_heights
-from .result import LoopResult
-from .sensitivity import Sensitivity, program_sensitivity
-from .strategy import SIGNALS, Strategy
-from .tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
+from bridgectl.dampers.actuator import Damper
+from bridgectl.dampers.bridgehook import Bridgehook, bridgehook
+from bridgectl.dampers.costate import Costate, costate
+from bridgectl.dampers.laws import (
+    add,
+    continuous_skyhook,
+    groundhook,
+    hybrid,
+    passive,
+    pdd,
+    sh_add,
+    skyhook,
+)
+from bridgectl.dampers.library import library
+from bridgectl.dampers.loop.closed_loop import simulate_loop
+from bridgectl.dampers.loop.result import LoopResult
+from bridgectl.dampers.lqr import clipped_lqr
+from bridgectl.dampers.optimum.clairvoyant import Clairvoyant, clairvoyant
+from bridgectl.dampers.peak_value import PeakValue, peak_value
+from bridgectl.dampers.preset import preset
+from bridgectl.dampers.program import program
+from bridgectl.dampers.ramp_heights import RampHeights, ramp_heights
+from bridgectl.dampers.sensitivity import Sensitivity, program_sensitivity
+from bridgectl.dampers.strategy import SIGNALS, Strategy
+from bridgectl.dampers.tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
 
 __all__ = [
     "SIGNALS",

@@ -11,10 +11,9 @@ import numpy as np
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_damper
-from bridgectl.quarter_car import QuarterCar
-from bridgectl.vehicle import Vehicle
-
-from .strategy import Strategy
+from bridgectl.dampers.strategy import Strategy
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 
 
 @dataclass(frozen=True)

@@ -33,14 +33,13 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.beam import Beam
-from bridgectl.crossing import Crossing
-from bridgectl.quarter_car import QuarterCar
-
-from .actuator import bare_vehicle
-from .costate import REACH, Costate, costate
-from .peak_value import PeakValue, peak_value
-from .strategy import RATE_TIME, Strategy
+from bridgectl.dampers.actuator import bare_vehicle
+from bridgectl.dampers.costate import REACH, Costate, costate
+from bridgectl.dampers.peak_value import PeakValue, peak_value
+from bridgectl.dampers.strategy import RATE_TIME, Strategy
+from bridgectl.model.beam import Beam
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar
 
 SPACING = 0.7
 """Largest distance between knots on the bridge [m]: an axle hop takes more than a metre."""

@@ -10,12 +10,12 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
-from bridgectl.beam import Beam
-from bridgectl.crossing import Crossing
-from bridgectl.peaks import find_peaks
-from bridgectl.propagator import bridge_entry
-from bridgectl.quarter_car import QuarterCar
-from bridgectl.simulation import Stretch, effect_samples, prepare, propagate, state_maps
+from bridgectl.linear.cells import bridge_entry
+from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.runs import Stretch, effect_samples, prepare, propagate, state_maps
+from bridgectl.model.beam import Beam
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar
 
 REACH = 60.0
 """How far before the bridge a damper is looked at, or commanded [m]."""
@@ -56,7 +56,7 @@ def costate(
     Parameters
     ----------
     beam, vehicle, section
-        See `bridgectl.crossing.Crossing`.
+        See `bridgectl.Crossing`.
     speed : float
         Speed c [m/s].
     reach : float, optional

@@ -13,9 +13,8 @@ import casadi as ca
 import numpy as np
 
 from bridgectl import _checks as check
-
-from .strategy import Strategy
-from .switching import DEAD_BAND, damping_for, on_off
+from bridgectl.dampers.strategy import Strategy
+from bridgectl.dampers.switching import DEAD_BAND, damping_for, on_off
 
 SH_ADD_CROSSOVER = 2 * np.pi * 0.643
 """Rate [rad/s] where skyhook and ADD are equally good on the paper's truck: its first

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
-from bridgectl.beam import Beam
-from bridgectl.quarter_car import QuarterCar
-
-from .bridgehook import bridgehook
-from .laws import add, continuous_skyhook, groundhook, hybrid, passive, pdd, sh_add, skyhook
-from .lqr import clipped_lqr
-from .preset import preset
-from .strategy import Strategy
-from .tire_laws import extended_groundhook, quarter_car, selective_groundhook, tire_groundhook
+from bridgectl.dampers.bridgehook import bridgehook
+from bridgectl.dampers.laws import (
+    add,
+    continuous_skyhook,
+    groundhook,
+    hybrid,
+    passive,
+    pdd,
+    sh_add,
+    skyhook,
+)
+from bridgectl.dampers.lqr import clipped_lqr
+from bridgectl.dampers.preset import preset
+from bridgectl.dampers.strategy import Strategy
+from bridgectl.dampers.tire_laws import (
+    extended_groundhook,
+    quarter_car,
+    selective_groundhook,
+    tire_groundhook,
+)
+from bridgectl.model.beam import Beam
+from bridgectl.model.quarter_car import QuarterCar
 
 
 def library(

@@ -23,12 +23,11 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.passive_theory import comfort_damping, road_damping, variances
-from bridgectl.quarter_car import QuarterCar
-
-from .strategy import Strategy
-from .switching import DEAD_BAND, damping_for
-from .tire_laws import deflection_of_tire, tire_gains
+from bridgectl.dampers.passive_theory import comfort_damping, road_damping, variances
+from bridgectl.dampers.strategy import Strategy
+from bridgectl.dampers.switching import DEAD_BAND, damping_for
+from bridgectl.dampers.tire_laws import deflection_of_tire, tire_gains
+from bridgectl.model.quarter_car import QuarterCar
 
 FEEDBACK = ("travel_gain", "body_gain", "deflection_gain", "axle_gain")
 """Names of the gains K of x = [d, y_s', e, y_t']: N/m, N s/m, N/m, N s/m."""

@@ -39,16 +39,15 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
-from bridgectl.beam import Beam
-from bridgectl.crossing import Crossing
-from bridgectl.propagator import SAMPLES, bridge_entry
-from bridgectl.quarter_car import QuarterCar
-from bridgectl.simulation import Stretch, effect_samples
-
-from .actuator import bare_vehicle
-from .costate import REACH, smooth_crossing
-from .steps import AXLE, BODY, SUSPENSION
-from .strategy import damping_bounds
+from bridgectl.dampers.actuator import bare_vehicle
+from bridgectl.dampers.costate import REACH, smooth_crossing
+from bridgectl.dampers.loop.steps import AXLE, BODY, SUSPENSION
+from bridgectl.dampers.strategy import damping_bounds
+from bridgectl.linear.cells import SAMPLES, bridge_entry
+from bridgectl.linear.runs import Stretch, effect_samples
+from bridgectl.model.beam import Beam
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar
 
 SHARPNESS = 10.0
 """beta, per unit of the peak static moment: 0.1 of it is what a road may change of a peak."""
@@ -109,7 +108,7 @@ def peak_value(
     Parameters
     ----------
     beam, vehicle, section
-        See `bridgectl.crossing.Crossing`.
+        See `bridgectl.Crossing`.
     speed : float
         Speed c [m/s].
     c_min, c_max : float

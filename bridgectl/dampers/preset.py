@@ -11,16 +11,15 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.crossing import Crossing
-from bridgectl.propagator import SAME_PLACE
-from bridgectl.quarter_car import QuarterCar
-from bridgectl.response import LiftOffWarning, daf
+from bridgectl.dampers.actuator import bare_vehicle
+from bridgectl.dampers.strategy import Strategy
+from bridgectl.linear.cells import SAME_PLACE
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
 from bridgectl.road.limits import evenly_spaced
-from bridgectl.surface import RAMP_HEIGHT, ramp_surface
-
-from .actuator import bare_vehicle
-from .strategy import Strategy
+from bridgectl.simulate import LiftOffWarning, daf
+from bridgectl.surface.compute import RAMP_HEIGHT, ramp_surface
 
 
 class Preset(Strategy):

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-
-from .strategy import Strategy
+from bridgectl.dampers.strategy import Strategy
 
 SHAPES = ("steps", "lines")
 """A damping is held to the next position, or changes in a straight line to the next one."""

@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_range
-from bridgectl.beam import Beam
-from bridgectl.crossing import Crossing
-from bridgectl.quarter_car import QuarterCar
-from bridgectl.surface import RAMP_HEIGHT, RAMP_LENGTH, ramp_surface
-
-from .actuator import Damper, as_damper, bare_vehicle
-from .closed_loop import simulate_loop
-from .strategy import Strategy
+from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
+from bridgectl.dampers.loop.closed_loop import simulate_loop
+from bridgectl.dampers.strategy import Strategy
+from bridgectl.model.beam import Beam
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, ramp_surface
 
 N_RISING = 40
 """Heights above 0, and as many below, but for those of the unit ramp."""

@@ -1,6 +1,6 @@
 """What each damping of a program does to the peak moment: an exact gradient for many roads at once.
 
-A program makes a crossing a chain of linear steps (`bridgectl.dampers.steps`), in each of which a
+A program makes a crossing a chain of linear steps (see `loop.steps`), in each of which a
 damping c_k is held, while the tire stays on the road. With the states s, the road d under the tire,
 f = [R - W, F] at the stages, and z = [u, w], deflection of the tire and suspension velocity,
 
@@ -24,16 +24,10 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
 from bridgectl._warn import warn
-from bridgectl.beam import Beam
-from bridgectl.crossing import Crossing
-from bridgectl.quarter_car import QuarterCar
-from bridgectl.response import LiftOffWarning
-
-from .actuator import Damper, bare_vehicle
-from .advance import BETWEEN, CLOSE
-from .closed_loop import checked_roads
-from .program import program
-from .steps import (
+from bridgectl.dampers.actuator import Damper, bare_vehicle
+from bridgectl.dampers.loop.advance import BETWEEN, CLOSE
+from bridgectl.dampers.loop.closed_loop import checked_roads
+from bridgectl.dampers.loop.steps import (
     DAMPER,
     MOMENT,
     POINTS,
@@ -47,7 +41,12 @@ from .steps import (
     make_steps,
     times_within,
 )
-from .work import require_loop
+from bridgectl.dampers.loop.work import require_loop
+from bridgectl.dampers.program import program
+from bridgectl.model.beam import Beam
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.simulate import LiftOffWarning
 
 N_POINTS = len(POINTS)
 
@@ -94,7 +93,7 @@ def program_sensitivity(
     Parameters
     ----------
     beam, section, recovery
-        See `bridgectl.crossing.Crossing`.
+        See `bridgectl.Crossing`.
     vehicle : QuarterCar
         The vehicle; its passive damper is taken out.
     speed : float

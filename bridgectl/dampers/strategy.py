@@ -20,9 +20,8 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._files import replacing
-from bridgectl.crossing import Crossing
-
-from .expression import law_function, warn_of_slips
+from bridgectl.dampers.expression import law_function, warn_of_slips
+from bridgectl.model.crossing import Crossing
 
 SIGNALS = (
     "body_velocity",

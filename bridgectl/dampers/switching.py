@@ -6,7 +6,7 @@ from typing import Any
 
 import casadi as ca
 
-from .strategy import Law, Strategy
+from bridgectl.dampers.strategy import Law, Strategy
 
 Gains = dict[str, tuple[float, float, float]]
 """Value, least and largest value of gains by name."""

@@ -14,11 +14,10 @@ import casadi as ca
 import numpy as np
 
 from bridgectl import _checks as check
-from bridgectl.passive_theory import invariant_frequencies
-from bridgectl.quarter_car import QuarterCar
-
-from .strategy import Strategy
-from .switching import DEAD_BAND, Gains, damping_for, on_off
+from bridgectl.dampers.passive_theory import invariant_frequencies
+from bridgectl.dampers.strategy import Strategy
+from bridgectl.dampers.switching import DEAD_BAND, Gains, damping_for, on_off
+from bridgectl.model.quarter_car import QuarterCar
 
 
 def tire_groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy:

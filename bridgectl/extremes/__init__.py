@@ -5,7 +5,7 @@ differently (Fig. 3), and test their estimate on two artificial roads made for e
 (Fig. 8, profiles 7 and 8).
 """
 
-from .linear_program import ExtremeRoad, extreme_road
-from .pairs import EqualRoughnessPair, equal_roughness_pair
+from bridgectl.extremes.linear_program import ExtremeRoad, extreme_road
+from bridgectl.extremes.pairs import EqualRoughnessPair, equal_roughness_pair
 
 __all__ = ["EqualRoughnessPair", "ExtremeRoad", "equal_roughness_pair", "extreme_road"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bridgectl import _checks as check
-from bridgectl.dae import RampSurface
+from bridgectl.surface.surface import RampSurface
 
 IRI_TOLERANCE = 1e-4
 """How closely the IRI of a made road meets what was asked [m/km]."""

@@ -17,11 +17,10 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._progress import track
 from bridgectl._threads import on_one_thread
-from bridgectl.dae import RampSurface
+from bridgectl.extremes.common import IRI_TOLERANCE, NO_EFFECT, speed_index
 from bridgectl.road import RoadProfile
 from bridgectl.road.iri import AT_START, SPEED, golden_car, input_slopes
-
-from .common import IRI_TOLERANCE, NO_EFFECT, speed_index
+from bridgectl.surface.surface import RampSurface
 
 UNIT_RAMP = 1e-3
 """The paper's unit ramp [m over 100 mm]: the default bound of a ramp."""

@@ -15,11 +15,10 @@ from scipy.optimize import minimize
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
-from bridgectl.dae import RampSurface
+from bridgectl.extremes.common import IRI_TOLERANCE, NO_EFFECT, speed_index
 from bridgectl.road import RoadProfile
 from bridgectl.road.iri import suspension_slope
-
-from .common import IRI_TOLERANCE, NO_EFFECT, speed_index
+from bridgectl.surface.surface import RampSurface
 
 PAPER_IRI = 2.78
 """IRI of both roads of the paper's Fig. 3 [m/km]."""

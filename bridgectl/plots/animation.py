@@ -15,13 +15,10 @@ from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.beam import Beam
-from bridgectl.crossing import Crossing
-from bridgectl.quarter_car import QuarterCar
-from bridgectl.response import crossing_response
-from bridgectl.road import RoadProfile
-
-from .style import (
+from bridgectl.model.beam import Beam
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.plots.style import (
     BLACK,
     BLUE,
     BRIDGE_TINT,
@@ -33,6 +30,8 @@ from .style import (
     VERMILLION,
     styled,
 )
+from bridgectl.road import RoadProfile
+from bridgectl.simulate import crossing_response
 
 if TYPE_CHECKING:
     from bridgectl.dampers import Damper, Strategy

@@ -13,13 +13,10 @@ from matplotlib.markers import CARETUP
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
-from bridgectl import li2006
 from bridgectl._checks import FloatArray
-from bridgectl.dae import RampSurface
-from bridgectl.paper import EXAMPLE_KMH, PaperResults
-from bridgectl.road import RoadProfile
-
-from .style import (
+from bridgectl.paper import li2006
+from bridgectl.paper.printed import EXAMPLE_KMH, PaperResults
+from bridgectl.plots.style import (
     BLACK,
     BLUE,
     BRIDGE_TINT,
@@ -36,6 +33,8 @@ from .style import (
     new_axes,
     styled,
 )
+from bridgectl.road import RoadProfile
+from bridgectl.surface.surface import RampSurface
 
 MARKED = 10
 """How many of the largest contributions are marked."""
@@ -265,7 +264,7 @@ def paper_figure(results: PaperResults) -> Figure:
     Parameters
     ----------
     results : PaperResults
-        See `bridgectl.paper.paper_results`.
+        See `bridgectl.paper.printed.paper_results`.
 
     Returns
     -------
@@ -277,7 +276,7 @@ def paper_figure(results: PaperResults) -> Figure:
 
     Examples
     --------
-    >>> from bridgectl.paper import paper_results
+    >>> from bridgectl.paper.printed import paper_results
     >>> from bridgectl.plots import paper_figure
     >>> paper_figure(paper_results()).axes[0].get_title(loc="left")
     'Fig. 2: DAF of a smooth road'

@@ -8,9 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bridgectl.damper_validation import DamperCase
-
-from .style import BLACK, BLUE, GREY, VERMILLION, styled
+from bridgectl.paper.damper_validation import DamperCase
+from bridgectl.plots.style import BLACK, BLUE, GREY, VERMILLION, styled
 
 
 @styled
@@ -22,7 +21,7 @@ def damper_validation_figure(cases: Sequence[DamperCase]) -> Figure:
     Parameters
     ----------
     cases : sequence of DamperCase
-        See `bridgectl.damper_validation.validate_dampers`.
+        See `bridgectl.paper.damper_validation.validate_dampers`.
 
     Returns
     -------
@@ -31,7 +30,7 @@ def damper_validation_figure(cases: Sequence[DamperCase]) -> Figure:
     Examples
     --------
     >>> import numpy as np
-    >>> from bridgectl.damper_validation import DamperCase
+    >>> from bridgectl.paper.damper_validation import DamperCase
     >>> from bridgectl.plots import damper_validation_figure
     >>> daf = 1 + np.random.default_rng(0).normal(0, 0.1, (3, 2, 4, 1))
     >>> case = DamperCase(25.0, "A", ("a", "b", "c"), 2, daf, daf, daf, daf.mean(axis=(1, 2, 3)))

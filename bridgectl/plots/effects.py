@@ -8,12 +8,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from .bridge import draw_lines
-from .style import PLACE_LABEL, styled
+from bridgectl.plots.bridge import draw_lines
+from bridgectl.plots.style import PLACE_LABEL, styled
 
 if TYPE_CHECKING:
-    from bridgectl.dae import RampSurface
     from bridgectl.road import RoadProfile
+    from bridgectl.surface.surface import RampSurface
 
 TITLES = ("odd: changes its sign with the ramp", "even: drop and rise have it in common")
 

@@ -12,8 +12,7 @@ from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
-
-from .style import GREY
+from bridgectl.plots.style import GREY
 
 REACHES = (8.0, 12.0, 18.0, 27.0, 38.0, 51.0, 66.0, 83.0, 102.0)
 """How far from its point a label may lie [points]; the farther ones get a line."""

@@ -10,14 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bridgectl._plausible import judge_crossing
-from bridgectl.crossing import Crossing
-
-from .style import BLACK, BLUE, GREY, SKY, VERMILLION, styled
+from bridgectl.model.crossing import Crossing
+from bridgectl.plots.style import BLACK, BLUE, GREY, SKY, VERMILLION, styled
 
 if TYPE_CHECKING:
-    from bridgectl.beam import Beam
     from bridgectl.dampers import Damper, RampHeights, Strategy
-    from bridgectl.quarter_car import QuarterCar
+    from bridgectl.model.beam import Beam
+    from bridgectl.model.quarter_car import QuarterCar
 
 IN_A_ROW = 3
 """Panels side by side."""

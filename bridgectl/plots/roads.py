@@ -11,11 +11,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
 from bridgectl.extremes import EqualRoughnessPair
-from bridgectl.road import RoadProfile
-from bridgectl.road.iri import GOOD
-from bridgectl.road.psd import BAND, CLASSES, REFERENCE, RoadPsd, class_roughness
-
-from .style import (
+from bridgectl.plots.style import (
     BRIDGE_TINT,
     GREY,
     SPEED_LABEL,
@@ -24,6 +20,9 @@ from .style import (
     new_axes,
     styled,
 )
+from bridgectl.road import RoadProfile
+from bridgectl.road.iri import GOOD
+from bridgectl.road.psd import BAND, CLASSES, REFERENCE, RoadPsd, class_roughness
 
 FILE_STATION_LABEL = "station [m]"
 

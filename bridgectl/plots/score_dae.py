@@ -7,10 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.axes import Axes
 
-from bridgectl.agreement import over_roads
-from bridgectl.scoreboard import CLASS_DAE, EQ_15, Scoreboard
-
-from .style import BLACK, BRIDGE_TINT, GREY, STATION_LABEL
+from bridgectl.plots.style import BLACK, BRIDGE_TINT, GREY, STATION_LABEL
+from bridgectl.scoring.agreement import over_roads
+from bridgectl.scoring.board import CLASS_DAE, EQ_15, Scoreboard
 
 MARKERS = "os^vD"
 """Of road classes."""

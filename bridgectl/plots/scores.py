@@ -11,11 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bridgectl._checks import FloatArray
-from bridgectl.scoreboard import Scoreboard
-
-from .labels import label_points
-from .score_dae import draw_class_dae, draw_gains
-from .style import BLACK, BLUE, GREY, SPEED_LABEL, TRACKS, VERMILLION, styled
+from bridgectl.plots.labels import label_points
+from bridgectl.plots.score_dae import draw_class_dae, draw_gains
+from bridgectl.plots.style import BLACK, BLUE, GREY, SPEED_LABEL, TRACKS, VERMILLION, styled
+from bridgectl.scoring.board import Scoreboard
 
 DAF_LABEL = "mean DAF [-]"
 

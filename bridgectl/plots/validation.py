@@ -10,10 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from bridgectl.road import RoadProfile
-from bridgectl.validation import PEAK_TOLERANCE, Case, ValidationResults
-
-from .style import (
+from bridgectl.paper.validation import PEAK_TOLERANCE, Case, ValidationResults
+from bridgectl.plots.style import (
     BLACK,
     BRIDGE_TINT,
     GREY,
@@ -24,6 +22,7 @@ from .style import (
     VERMILLION,
     styled,
 )
+from bridgectl.road import RoadProfile
 
 ROW, COLUMN, ROAD, FOOT = 1.2, 1.3, 2.3, 3.2
 """Height of a road's panels, width of a bridge's, width of the elevations, the last row [in]."""
@@ -39,7 +38,7 @@ def validation_figure(results: ValidationResults) -> Figure:
     Parameters
     ----------
     results : ValidationResults
-        See `bridgectl.validation.validate`.
+        See `bridgectl.paper.validation.validate`.
 
     Returns
     -------
@@ -52,7 +51,7 @@ def validation_figure(results: ValidationResults) -> Figure:
     Examples
     --------
     >>> from bridgectl.plots import validation_figure
-    >>> from bridgectl.validation import validate
+    >>> from bridgectl.paper.validation import validate
     >>> figure = validation_figure(validate([29.0, 30.0], spans=[25], starts=[0]))
     >>> len(figure.axes)  # elevation and amplification of eight roads, and the peaks
     18

@@ -1,14 +1,19 @@
 """Roads: read, measured and made; the ramps a tire meets on them; bumps and joints."""
 
-from .events import RoadEvent, add_events
-from .footprint import tire_footprint
-from .iso8608 import iso8608_elevations, iso8608_profile, ramp_covariance, shaping_filter
-from .lines import ProfileFileError
-from .profile import RoadProfile
-from .psd import PsdFit, RoadPsd, class_roughness
-from .read import read_profile, read_tracks, utia_road
-from .shapes import bump, plank, pothole, ramp, settlement, step
-from .write import write_profile
+from bridgectl.road.events import RoadEvent, add_events
+from bridgectl.road.files.lines import ProfileFileError
+from bridgectl.road.files.read import read_profile, read_tracks, utia_road
+from bridgectl.road.files.write import write_profile
+from bridgectl.road.footprint import tire_footprint
+from bridgectl.road.iso8608 import (
+    iso8608_elevations,
+    iso8608_profile,
+    ramp_covariance,
+    shaping_filter,
+)
+from bridgectl.road.profile import RoadProfile
+from bridgectl.road.psd import PsdFit, RoadPsd, class_roughness
+from bridgectl.road.shapes import bump, plank, pothole, ramp, settlement, step
 
 __all__ = [
     "ProfileFileError",

@@ -14,9 +14,8 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-
-from .limits import MAX_SLOPE, TOLERANCE, first_too_steep
-from .profile import RoadProfile
+from bridgectl.road.limits import MAX_SLOPE, TOLERANCE, first_too_steep
+from bridgectl.road.profile import RoadProfile
 
 
 @dataclass(frozen=True, init=False, repr=False, eq=False)

@@ -7,10 +7,9 @@ import numpy as np
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._warn import warn
-
-from .events import require_road
-from .limits import TOLERANCE
-from .profile import RoadProfile
+from bridgectl.road.events import require_road
+from bridgectl.road.limits import TOLERANCE
+from bridgectl.road.profile import RoadProfile
 
 
 def tire_footprint(road: RoadProfile, length: float = 0.24) -> RoadProfile:

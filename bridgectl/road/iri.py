@@ -17,8 +17,7 @@ from scipy.signal import lfilter
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._warn import warn
-
-from .limits import even_step
+from bridgectl.road.limits import even_step
 
 SPEED = 80 / 3.6
 """Speed of the golden car [m/s]."""

@@ -18,9 +18,8 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
 from bridgectl._work import Work, at_least, at_most, require_feasible
-
-from .profile import RoadProfile
-from .psd import CLASSES, REFERENCE, class_roughness
+from bridgectl.road.profile import RoadProfile
+from bridgectl.road.psd import CLASSES, REFERENCE, class_roughness
 
 DEFAULT_BAND = (0.01, 4.0)
 """Wave numbers [cycles/m] of the synthesised waves: 100 m to 0.25 m long, as in VBI-2D."""

@@ -16,12 +16,11 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-
-from .iri import running_iri, segment_iri
-from .limits import TOLERANCE, mean_step, require_gentle, require_increasing
-from .psd import RoadPsd, road_psd
-from .sampling import measured_step, warn_if_coarse
-from .stations import Stations
+from bridgectl.road.iri import running_iri, segment_iri
+from bridgectl.road.limits import TOLERANCE, mean_step, require_gentle, require_increasing
+from bridgectl.road.psd import RoadPsd, road_psd
+from bridgectl.road.sampling import measured_step, warn_if_coarse
+from bridgectl.road.stations import Stations
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -21,9 +21,8 @@ from scipy.special import digamma
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._warn import warn
-
-from .limits import even_step
-from .sampling import coarse, too_coarse
+from bridgectl.road.limits import even_step
+from bridgectl.road.sampling import coarse, too_coarse
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,11 +13,10 @@ import numpy as np
 
 from bridgectl._checks import FloatArray
 from bridgectl._warn import warn
-
-from .limits import TOLERANCE, evenly_spaced
+from bridgectl.road.limits import TOLERANCE, evenly_spaced
 
 if TYPE_CHECKING:
-    from .profile import RoadProfile
+    from bridgectl.road.profile import RoadProfile
 
 COARSE = 0.305
 """Longest step [m] that an IRI or a dynamic amplification bears: one foot.

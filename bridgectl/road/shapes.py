@@ -7,9 +7,8 @@ import math
 import numpy as np
 
 from bridgectl import _checks as check
-
-from .events import RoadEvent
-from .limits import MAX_SLOPE, TOLERANCE
+from bridgectl.road.events import RoadEvent
+from bridgectl.road.limits import MAX_SLOPE, TOLERANCE
 
 COSINE_PIECES = 50  # n chords miss a 1-cosine hump by pi^2 / (4 n^2) = 0.99e-3 of its height
 PARABOLA_PIECES = 16  # n chords miss a parabola by 1 / (4 n^2) = 0.98e-3 of its rise

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-
-from .limits import TOLERANCE
+from bridgectl.road.limits import TOLERANCE
 
 
 class Stations:

@@ -33,7 +33,6 @@ from scipy.optimize import direct, minimize
 
 import bridgectl as bc
 from bridgectl._progress import track
-from bridgectl.agreement import paired
 from bridgectl.dampers import (
     clipped_lqr,
     passive,
@@ -54,6 +53,7 @@ from bridgectl.plots.style import (
     styled,
 )
 from bridgectl.road import iso8608_elevations
+from bridgectl.scoring.agreement import paired
 
 BEAM, TRUCK = bc.li2006.beam(), bc.li2006.car()
 SOFT, STIFF = 1e3, 30e3

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 import bridgectl as bc
-from bridgectl.propagator import build_cells
-from bridgectl.ramps import factor_histories
-from bridgectl.simulation import prepare
+from bridgectl.linear.cells import build_cells
+from bridgectl.linear.runs import prepare
+from bridgectl.surface.histories import factor_histories
 
 SPEEDS = np.arange(50, 151) / 3.6
 

@@ -1,0 +1,393 @@
+"""The command line: parse, call, print."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout
+from typing import Any, NoReturn
+
+import bridgectl as bc
+from bridgectl import _checks as check
+from bridgectl._work import memory_advice
+from bridgectl.cli.options import (
+    add_bridge_options,
+    add_file_options,
+    add_output_options,
+    add_place_options,
+    add_validation_options,
+    add_vehicle_options,
+    as_number,
+    as_options,
+    check_output,
+    check_plot,
+    check_ramps,
+    file_arguments,
+    make_beam,
+    make_vehicle,
+    numbers,
+    parse_speeds,
+    place_road,
+    refuse_file_options,
+    resumed,
+    save_figure,
+    tell_drawn,
+    working,
+)
+from bridgectl.cli.score import SCORE_HELP, add_score_options, run_score
+
+SEGMENT = 100.0
+"""Segments of a road that get an IRI each [m]."""
+
+OUTPUT = "standard output"
+
+MAIN_HELP = """\
+What a road does to a bridge, and what dampers can do about it: dynamic amplification of a vehicle's
+crossing.
+
+  bridgectl score     damper strategies, scored for a bridge: amplification, road wear, ride
+  bridgectl dae       the dynamic amplification estimate (DAE) of a measured road
+  bridgectl profile   roughness (IRI), spectrum and ISO 8608 class of a road file
+  bridgectl paper     every number of Li, OBrien and Gonzalez (2006) beside the computed one
+  bridgectl validate  its Section 4 again: DAE against DAF on eight good roads and three spans;
+                      with --dampers whether DAE orders dampers
+
+Without a road file, score, dae and profile take a measured road that comes with the program."""
+
+DAE_HELP = """\
+Place a bridge in a road and say how much the road amplifies the bending moment of a truck's
+crossing, at every speed:
+
+  DAF smooth      dynamic amplification factor (DAF) of a smooth road
+  DAE             that, plus what each 100 mm ramp of the road adds on its own: the dynamic
+                  amplification estimate of Li, OBrien and Gonzalez (2006), Eq. (15)
+  superposed DAF  the same ramps, superposed as moment histories: exact while tires stay down
+  simulated DAF   the crossing itself
+
+FILE is delimited text, ERD text or OpenCRG: stations and elevations (positive upward), whose units
+the file states ('x [m], z [mm]') or --units tells. Of several tracks the first counts, or --track.
+Without FILE: a measured road of 544 m that comes with the program.
+
+examples:
+  bridgectl dae
+  bridgectl dae road.csv --units m,mm --station 1250 --span 35 --plot dae.png
+  bridgectl dae survey.erd --track RElev.
+  bridgectl dae road.txt --units m,m --speeds 60:120:2 --damping 12e3 --json > dae.json"""
+
+PROFILE_HELP = """\
+Measure the tracks of a road file:
+
+  IRI             International Roughness Index (ASTM E1926), of all and of each segment;
+                  a road is good, in the sense of Li, OBrien and Gonzalez (2006), below 7 m/km
+  G_d(n0), w      line of ISO 8608 through the spectrum: roughness at n0 = 0.1 cycles/m, waviness
+  class           ISO 8608 class of that roughness, A to H
+  coarse          measured at steps above one foot: the IRI is too low, and there is no class
+
+FILE is delimited text, ERD text or OpenCRG; all its tracks are measured, or the one of --track.
+Without FILE: a measured road of 544 m that comes with the program.
+
+examples:
+  bridgectl profile
+  bridgectl profile survey.erd --plot survey.png
+  bridgectl profile levels.csv --step 0.25 --units mm --segment 50 --json"""
+
+PAPER_HELP = """\
+Print every number that Li, OBrien and Gonzalez (2006) print, beside the computed one and with the
+difference; --plot draws their Figs. 2, 5 and 6.
+
+examples:
+  bridgectl paper
+  bridgectl paper --plot figures.png"""
+
+VALIDATE_HELP = """\
+Do Section 4 of Li, OBrien and Gonzalez (2006) again: compare DAE and superposed DAF with the
+simulated DAF of eight good roads (IRI below 7 m/km) on bridges of 15, 25 and 35 m. The truck starts
+at rest where the bridge begins (Figs. 8 and 9) or 200 m before it (Fig. 11). Roads 1 and 2 are
+measured, 3 to 6 random, 7 and 8 made for the largest and smallest DAF. It takes a minute.
+
+With --dampers: does the DAE of second order, over a road class, order dampers as simulation does?
+34 of them, 11 of which had no part in finding its formula, cross the same bridges after 60 m of
+approach, on 60 random roads of class A and of class B and on their mirror images. It takes some ten
+minutes on two cores; --resume FILE keeps what is done (in files with the span in their names).
+
+examples:
+  bridgectl validate --plot validation.png
+  bridgectl validate --dampers --resume dampers.jsonl --plot dampers.png
+  bridgectl validate --spans 25 --speeds 60:120:5 --json"""
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose complaint is one line."""
+
+    def error(self, message: str) -> NoReturn:
+        raise ValueError(f"{message} (see {self.prog} --help)")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments after the program's name. Default: those of the process.
+
+    Returns
+    -------
+    int
+        Exit status: 0, or 2 for a mistake in what was asked, told in one line.
+    """
+    try:
+        with warnings.catch_warnings(), redirect_stdout(_Output()):
+            warnings.simplefilter("always", UserWarning)
+            warnings.showwarning = _show_each_once()
+            try:
+                args = _parser().parse_args(argv)
+                args.run(args)
+            finally:
+                sys.stdout.flush()
+    except BrokenPipeError:  # a reader such as `head` has seen enough
+        _drop_output()
+        return 0
+    except KeyboardInterrupt:
+        return 130
+    except (ValueError, TypeError, NotImplementedError) as error:
+        _tell("error", error)
+        return 2
+    except OSError as error:
+        if error.filename == OUTPUT:
+            _drop_output()
+        _tell("error", error)
+        return 2
+    except MemoryError:  # the estimate let it through, and knows the cause
+        _tell("error", memory_advice())
+        return 2
+    return 0
+
+
+class _Output:
+    """Standard output, with its name in errors of writing."""
+
+    def __init__(self) -> None:
+        self.stream = sys.stdout
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
+
+    def write(self, text: str) -> int:
+        """Write text."""
+        with _named_output():
+            return self.stream.write(text)
+
+    def flush(self) -> None:
+        """Write what waits."""
+        with _named_output():
+            self.stream.flush()
+
+
+@contextmanager
+def _named_output() -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, OUTPUT) from None
+
+
+def _drop_output() -> None:
+    """Drop what is not written, which Python would complain of at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _tell(kind: str, message: object) -> None:
+    line = "".join(c if c.isprintable() else " " for c in str(message))
+    print(f"bridgectl: {kind}: {' '.join(line.split())}", file=sys.stderr)
+
+
+def _show_each_once() -> Callable[..., None]:
+    told: set[str] = set()
+
+    def show(message: Warning | str, *_: Any, **__: Any) -> None:
+        if str(message) not in told:
+            told.add(str(message))
+            _tell("warning", as_options(str(message)))
+
+    return show
+
+
+def _parser() -> _Parser:
+    look = argparse.RawDescriptionHelpFormatter
+    parser = _Parser(prog="bridgectl", description=MAIN_HELP, formatter_class=look)
+    parser.add_argument("--version", action="version", version=f"bridgectl {bc.__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    def command(
+        name: str, run: Callable[[argparse.Namespace], None], brief: str, description: str
+    ) -> argparse.ArgumentParser:
+        made = commands.add_parser(name, help=brief, description=description, formatter_class=look)
+        made.set_defaults(run=run)
+        return made
+
+    score = command("score", run_score, "damper strategies, scored for a bridge", SCORE_HELP)
+    add_score_options(score)
+    dae = command("dae", _run_dae, "DAE and DAF of a measured road", DAE_HELP)
+    add_file_options(dae)
+    add_place_options(dae)
+    add_bridge_options(dae)
+    add_vehicle_options(dae)
+    brief = "IRI, spectrum and ISO class of a road file"
+    profile = command("profile", _run_profile, brief, PROFILE_HELP)
+    add_file_options(profile)
+    profile.add_argument(
+        "--segment", type=as_number, default=SEGMENT, metavar="M",
+        help=f"length over which IRIs are taken [m] (default {SEGMENT:g})",
+    )  # fmt: skip
+    command("paper", _run_paper, "the paper's numbers", PAPER_HELP)
+    validate = command("validate", _run_validate, "DAE against DAF on good roads", VALIDATE_HELP)
+    add_validation_options(validate)
+    for made in commands.choices.values():
+        add_output_options(made)
+    return parser
+
+
+def _run_dae(args: argparse.Namespace) -> None:
+    from bridgectl.cli.tables import DaeStudy, dae_json, print_dae
+
+    speeds = parse_speeds(args.speeds) / 3.6
+    check_plot(args.plot)
+    beam, vehicle = make_beam(args), make_vehicle(args)
+    road, station = _road(args, beam.length)
+    with working("computing the ramp surface"):
+        surface = bc.ramp_surface(
+            beam, vehicle, speeds, approach=args.approach,
+            section=args.section, recovery=args.recovery,
+        )  # fmt: skip
+    simulated = bc.daf(
+        beam, vehicle, speeds, road, start=-args.approach,
+        section=args.section, recovery=args.recovery,
+    )  # fmt: skip
+    with warnings.catch_warnings():  # the simulation has told of tires that leave the road
+        warnings.simplefilter("ignore", bc.LiftOffWarning)
+        superposed = surface.superposed_daf(road)
+    study = DaeStudy(surface, vehicle, road, station, surface.dae(road), superposed, simulated)
+    if args.plot is not None:
+        from bridgectl.plots import dae_figure
+
+        figure = dae_figure(surface, road, superposed=superposed, simulated=simulated)
+        save_figure(figure, args.plot)
+    if args.json:
+        print(json.dumps(dae_json(study), indent=1))
+    else:
+        print_dae(study)
+        tell_drawn(args.plot)
+
+
+def _road(args: argparse.Namespace, span: float) -> tuple[bc.RoadProfile, float]:
+    """The road under approach and bridge, in ramps, and the station of the bridge."""
+    check_ramps("--approach", args.approach)
+    if args.file is None:
+        refuse_file_options(args)
+        return place_road(args, bc.utia_road(), "that comes with the program", span)
+    whole = bc.read_profile(args.file, track=args.track, **file_arguments(args))
+    return place_road(args, whole, args.file, span)
+
+
+def _run_profile(args: argparse.Namespace) -> None:
+    from bridgectl.cli.tables import measure_track, print_profile, profile_json
+
+    check_plot(args.plot)
+    if args.file is None:
+        refuse_file_options(args)
+        roads = [bc.utia_road()]
+    elif args.track is not None:
+        roads = [bc.read_profile(args.file, track=args.track, **file_arguments(args))]
+    else:
+        roads = bc.read_tracks(args.file, **file_arguments(args))
+    tracks = [measure_track(road, args.segment) for road in roads]
+    if args.plot is not None:
+        from bridgectl.plots import profile_figure
+
+        figure = profile_figure([track.road for track in tracks], args.segment)
+        save_figure(figure, args.plot)
+    if args.json:
+        print(json.dumps(profile_json(tracks, args.segment), indent=1))
+    else:
+        print_profile(tracks, args.segment)
+        tell_drawn(args.plot)
+
+
+def _run_paper(args: argparse.Namespace) -> None:
+    from bridgectl.cli.tables import paper_json, print_paper
+    from bridgectl.paper.printed import paper_results
+
+    check_plot(args.plot)
+    with working("computing the paper's surfaces"):
+        results = paper_results()
+    if args.plot is not None:
+        from bridgectl.plots import paper_figure
+
+        save_figure(paper_figure(results), args.plot)
+    if args.json:
+        print(json.dumps(paper_json(results), indent=1))
+    else:
+        print_paper(results)
+        tell_drawn(args.plot)
+
+
+def _run_validate(args: argparse.Namespace) -> None:
+    if args.dampers:
+        _run_validate_dampers(args)
+        return
+    for option in ("pairs", "resume", "workers"):
+        if getattr(args, option) is not None:
+            raise ValueError(f"--{option} goes with --dampers: add it, or leave --{option} out")
+    from bridgectl.cli.validation import print_validation, validation_json
+    from bridgectl.paper.good_roads import LAST, good_roads
+    from bridgectl.paper.validation import validate
+
+    check_plot(args.plot)
+    spans = list(dict.fromkeys(numbers("--spans", args.spans, int)))
+    if max(spans) > LAST:
+        raise ValueError(f"--spans must be {LAST:g} m at most, as the roads, got {args.spans}")
+    speeds = parse_speeds(args.speeds or "50:150:1") / 3.6
+    for span in spans:  # of a span that there is not, before the work
+        bc.li2006.beam(span)
+    with working("making the roads"):
+        roads = good_roads()
+    results = validate(speeds, spans, roads=roads)
+    if args.plot is not None:
+        from bridgectl.plots import validation_figure
+
+        with working("drawing"):
+            save_figure(validation_figure(results), args.plot)
+    if args.json:
+        print(json.dumps(validation_json(results), indent=1))
+    else:
+        print_validation(results)
+        tell_drawn(args.plot)
+
+
+def _run_validate_dampers(args: argparse.Namespace) -> None:
+    from bridgectl.cli.dampers import damper_validation_json, print_damper_validation
+    from bridgectl.paper.damper_validation import N_PAIRS, validate_dampers
+
+    check_plot(args.plot)
+    check_output("--resume", args.resume)
+    spans = list(dict.fromkeys(numbers("--spans", args.spans, int)))
+    speeds = parse_speeds(args.speeds or "60:120:5") / 3.6
+    if args.workers is not None:
+        check.integer("--workers", args.workers, at_least=1)
+    pairs = check.integer("--pairs", N_PAIRS if args.pairs is None else args.pairs, at_least=2)
+    with resumed(args.resume):
+        cases = validate_dampers(speeds, spans, pairs, resume=args.resume, workers=args.workers)
+    if args.plot is not None:
+        from bridgectl.plots import damper_validation_figure
+
+        save_figure(damper_validation_figure(cases), args.plot)
+    if args.json:
+        print(json.dumps(damper_validation_json(cases), indent=1))
+    else:
+        print_damper_validation(cases)
+        tell_drawn(args.plot)

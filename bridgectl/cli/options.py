@@ -1,0 +1,360 @@
+"""Options of the command line: what several commands share, and what their words mean."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import os
+import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import bridgectl as bc
+from bridgectl._checks import FloatArray
+from bridgectl._files import is_regular, replacing
+from bridgectl._plausible import judge_kmh
+from bridgectl.model.recovery import RECOVERIES
+from bridgectl.surface.compute import RAMP_LENGTH
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SPEEDS_KMH = (1.0, 1000.0)
+"""Speeds that make sense [km/h]: a crawling vehicle needs cells, and memory, without end."""
+
+
+VEHICLE = "sprung_mass", "unsprung_mass", "suspension_stiffness", "tire_stiffness", "damping"
+"""Parameters of the quarter-car, each an option."""
+
+SPEEDS_LOOK = "50:150:1 or 80,90,100"
+
+
+def add_file_options(parser: argparse.ArgumentParser, *, many: bool = False) -> None:
+    """Add FILE, or any number of ROAD, and how they are to be read."""
+    file = parser.add_argument_group("road files" if many else "road file")
+    if many:
+        file.add_argument("roads", nargs="*", metavar="ROAD", type=Path,
+                          help="delimited text, ERD or OpenCRG")  # fmt: skip
+    else:
+        file.add_argument("file", nargs="?", metavar="FILE", help="delimited text, ERD or OpenCRG")
+    file.add_argument("--units", metavar="X,Z", help="units of station and elevation, as m,mm")
+    file.add_argument(
+        "--columns", metavar="I,J,...",
+        help="columns of the stations and of elevations, from 0 (default: the first, and those "
+        "whose unit the header states, or else the second)",
+    )  # fmt: skip
+    file.add_argument("--delimiter", metavar="C", help="what separates the columns, as ';'")
+    file.add_argument(
+        "--step", type=as_number, metavar="M", help="distance between lines without stations [m]"
+    )
+    file.add_argument("--decimal", metavar="C", help="decimal mark, as ',' (default: as found)")
+    file.add_argument(
+        "--missing", metavar="V,...",
+        help="what marks missing readings, to be left out, as --missing=-999 or --missing=-999,nan",
+    )  # fmt: skip
+    file.add_argument(
+        "--skip-lines", type=as_whole, metavar="N", help="lines at the top that are no part of it"
+    )
+    file.add_argument(
+        "--track", metavar="NAME", help="which elevations of several, by label or number from 0"
+    )
+
+
+def refuse_file_options(args: argparse.Namespace) -> None:
+    """Refuse what tells how a file is read where there is none: it would count for nothing."""
+    for name, value in (file_arguments(args) | {"track": args.track}).items():
+        if value is not None:
+            raise ValueError(
+                f"--{name.replace('_', '-')} is about a road file, and none is given: name the file"
+            )
+
+
+def file_arguments(args: argparse.Namespace) -> dict[str, Any]:
+    """Return what the file options say, as arguments of `read_profile` but for the track."""
+    columns = None
+    if args.columns is not None:
+        columns = tuple(numbers("--columns", args.columns, int))
+    return {
+        "units": args.units, "columns": columns, "delimiter": args.delimiter, "step": args.step,
+        "decimal": args.decimal, "missing": args.missing, "skip_lines": args.skip_lines,
+    }  # fmt: skip
+
+
+def add_place_options(
+    parser: argparse.ArgumentParser, *, approach: float = 200.0, speeds: str = "50:150:1"
+) -> None:
+    """Add where the bridge is in the road, and the speeds, with their defaults."""
+    road = parser.add_argument_group("place of the bridge")
+    road.add_argument(
+        "--station", type=as_number, metavar="M",
+        help="station of the start of the bridge [m]; default: the first after the approach",
+    )  # fmt: skip
+    road.add_argument(
+        "--approach", type=as_number, default=approach, metavar="M",
+        help="road before the bridge that counts [m]; the vehicle starts there "
+        f"(default {approach:g})",
+    )  # fmt: skip
+    road.add_argument(
+        "--no-detrend", action="store_true",
+        help="keep the grade; by default the straight line through the road is taken off, "
+        "as a vehicle that starts in equilibrium is not on a grade",
+    )  # fmt: skip
+    _add_speeds(parser, speeds)
+
+
+def add_validation_options(parser: argparse.ArgumentParser) -> None:
+    """Add what a validation may leave out."""
+    parser.add_argument(
+        "--spans", default="15,25,35", metavar="A,B,C",
+        help="spans [m], odd, 9 to 35 (default 15,25,35)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--speeds", metavar="A:B:D",
+        help="speeds [km/h], from A to B in steps of D, or a list A,B,C (default 50:150:1; of "
+        "dampers 60:120:5)",
+    )  # fmt: skip
+    dampers = parser.add_argument_group("dampers")
+    dampers.add_argument(
+        "--dampers", action="store_true", help="put the DAE of second order to the test instead"
+    )
+    dampers.add_argument(
+        "--pairs", type=as_whole, metavar="N",
+        help="random roads of each class, with a mirror image each (default 60)",
+    )  # fmt: skip
+    add_work_options(dampers)
+
+
+def add_work_options(work: argparse._ArgumentGroup) -> None:
+    """Add how long work is done, and where it is kept."""
+    work.add_argument(
+        "--resume", metavar="FILE", type=Path,
+        help="keep what is done in FILE, and go on from what it holds",
+    )  # fmt: skip
+    work.add_argument(
+        "--workers", type=as_whole, metavar="N", help="processes (default: one for each core)"
+    )
+
+
+@contextmanager
+def resumed(path: Path | None) -> Iterator[None]:
+    """Say where the work goes on if it is interrupted, and a file keeps it."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if path is not None:
+            print(
+                f"bridgectl: interrupted: {path} keeps what is done, the same command "
+                "goes on from there",
+                file=sys.stderr,
+            )
+        raise
+
+
+def _add_speeds(parser: argparse.ArgumentParser, default: str) -> None:
+    parser.add_argument(
+        "--speeds", default=default, metavar="A:B:D",
+        help=f"speeds [km/h], from A to B in steps of D, or a list A,B,C (default {default})",
+    )  # fmt: skip
+
+
+def add_bridge_options(parser: argparse.ArgumentParser) -> None:
+    """Add the bridge and how its moment is found."""
+    bridge = parser.add_argument_group("bridge (Li's thesis, 2006; default the paper's 25 m)")
+    bridge.add_argument("--span", type=as_number, default=25, metavar="M", help="odd, 9 to 43 [m]")
+    bridge.add_argument("--deck", help="solid, Y or super-Y, for spans that have several")
+    bridge.add_argument("--modes", type=as_whole, default=3, metavar="N", help="number (default 3)")
+    bridge.add_argument(
+        "--damping-ratio", default="0", metavar="Z", help="of mode 1, or A,B,C of each (default 0)"
+    )
+    bridge.add_argument(
+        "--section", type=as_number, default=0.5, metavar="S",
+        help="section of the moment, as a fraction of the span (default 0.5)",
+    )  # fmt: skip
+    bridge.add_argument(
+        "--recovery", default="exact", metavar="HOW",
+        help=f"of the moment from the modes: {', '.join(RECOVERIES)} (default exact)",
+    )  # fmt: skip
+
+
+def add_vehicle_options(parser: argparse.ArgumentParser) -> None:
+    """Add the parameters of the quarter-car."""
+    vehicle = parser.add_argument_group("quarter-car (default the paper's truck)")
+    truck = bc.li2006.car()
+    units = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m"}
+    for name in VEHICLE:
+        unit, default = units[name.rpartition("_")[2]], getattr(truck, name)
+        vehicle.add_argument(
+            f"--{name.replace('_', '-')}", type=as_number, default=default, metavar="X",
+            help=f"[{unit}] (default {default:g})",
+        )  # fmt: skip
+
+
+def add_output_options(parser: argparse.ArgumentParser) -> None:
+    """Add what becomes of the results."""
+    parser.add_argument("--plot", metavar="FILE", type=Path, help="draw (png, pdf, svg)")
+    parser.add_argument("--json", action="store_true", help="print one JSON object instead")
+
+
+def make_beam(args: argparse.Namespace) -> bc.Beam:
+    """Make the bridge of the bridge options."""
+    ratios = tuple(numbers("--damping-ratio", args.damping_ratio, float))
+    damping_ratio = ratios if len(ratios) > 1 else ratios[0]
+    return bc.li2006.beam(args.span, args.deck, n_modes=args.modes, damping_ratio=damping_ratio)
+
+
+def make_vehicle(args: argparse.Namespace) -> bc.QuarterCar:
+    """Make the quarter-car of the vehicle options."""
+    return bc.QuarterCar(*(getattr(args, name) for name in VEHICLE))
+
+
+def place_road(
+    args: argparse.Namespace,
+    whole: bc.RoadProfile,
+    what: str,
+    span: float,
+    *,
+    station: float | None = None,
+    departure: float = 0.0,
+) -> tuple[bc.RoadProfile, float]:
+    """Return the road under approach, bridge and departure, in ramps, and the bridge's station.
+
+    `what` names the road in errors; `station` [m] is that of the bridge if --station is not given.
+    """
+    if station is None:
+        station = float(whole.x[0]) + args.approach
+    station = station if args.station is None else args.station
+    end = span + departure
+    first, last = float(whole.x[0]) + args.approach, float(whole.x[-1]) - end
+    if not first - 1e-9 <= station <= last + 1e-9:
+        room = (
+            f"--station must lie between {first:g} and {last:g} m"
+            if first <= last
+            else f"{args.approach + end:g} m are needed: pass a smaller --approach or --span"
+        )
+        after = f", {departure:g} m of departure" if departure else ""
+        raise ValueError(
+            f"the road {what} ({whole.x[0]:g} to {whole.x[-1]:g} m) does not hold "
+            f"{args.approach:g} m of approach and {span:g} m of bridge{after} at station "
+            f"{station:g} m: {room}"
+        )
+    road = whole.place_bridge(station)
+    # Station arithmetic must not lose the ends to round-off.
+    start, stop = max(-args.approach, float(road.x[0])), min(end, float(road.x[-1]))
+    road = road.crop(start, stop)
+    if not args.no_detrend:
+        road = road.detrend()
+    return road.resample(RAMP_LENGTH).level(start), station
+
+
+def check_ramps(option: str, length: float) -> None:
+    """Find out whether a length [m] is one of whole ramps."""
+    if not 0 <= length < np.inf:
+        raise ValueError(f"{option} must be 0 m or more, got {length:g}")
+    if not np.isclose(length, round(length / RAMP_LENGTH) * RAMP_LENGTH, 0, 1e-9):
+        raise ValueError(
+            f"{option} must be a whole number of {RAMP_LENGTH:g} m ramps, got {length:.10g}"
+        )
+
+
+def working(what: str) -> Any:
+    """Return a spinner on standard error, if that is a terminal."""
+    from rich.console import Console
+
+    return Console(stderr=True).status(what)
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Save a figure, whole or not at all."""
+    drawn = io.BytesIO()  # where drawing cannot fail half-way, each format with an error of its own
+    figure.savefig(drawn, format=path.suffix.lower().removeprefix("."))
+    with replacing(path) as file:
+        file.write(drawn.getbuffer())
+
+
+def tell_drawn(path: Path | None) -> None:
+    """Say where the figure is, if there is one."""
+    if path is not None:
+        print(f"Drawn: {path}")
+
+
+def parse_speeds(text: str) -> FloatArray:
+    """Speeds [km/h] from 'A:B:D' or 'A,B,C'."""
+    if ":" not in text:
+        speeds = np.array(numbers("--speeds", text, float, SPEEDS_LOOK))
+    else:
+        parts = text.split(":")
+        if len(parts) != 3:
+            raise ValueError(f"--speeds must look like {SPEEDS_LOOK}, got {text!r}")
+        first, last, step = numbers("--speeds", ",".join(parts), float)
+        if not (0 < first <= last and step > 0 and np.isfinite([first, last, step]).all()):
+            raise ValueError(f"--speeds must rise from above 0 km/h, as 50:150:1, got {text!r}")
+        if (last - first) / step > 10_000:
+            raise ValueError(f"--speeds must be at most 10000 speeds, got {text!r}")
+        speeds = first + step * np.arange(int((last - first) / step + 1e-9) + 1)
+    if not (np.isfinite(speeds).all() and (speeds > 0).all()):
+        raise ValueError(f"--speeds must be above 0 km/h, got {text!r}")
+    slowest, fastest = SPEEDS_KMH
+    if speeds.min() < slowest or speeds.max() > fastest:
+        raise ValueError(f"--speeds must be {slowest:g} to {fastest:g} km/h, got {text!r}")
+    judge_kmh("--speeds", speeds)
+    return np.unique(speeds)
+
+
+def numbers(option: str, text: str, kind: type, look: str = "") -> list[Any]:
+    """Numbers separated by commas."""
+    try:
+        return [kind(part) for part in text.split(",")]
+    except ValueError:
+        remedy = f": type {look}" if look else ""
+        raise ValueError(
+            f"{option} must be numbers separated by commas, got {text!r}{remedy}"
+        ) from None
+
+
+def as_options(advice: str) -> str:
+    """Advice to type an argument of the library, for the command line."""
+    names = "|".join((*VEHICLE, "damping_ratio"))
+    return re.sub(
+        rf"\btype ({names})=", lambda found: f"type --{found[1].replace('_', '-')} ", advice
+    )
+
+
+def as_number(text: str) -> float:
+    """Read the value of an option that takes a number."""
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a number, as 12e3, got {text!r}") from None
+
+
+def as_whole(text: str) -> int:
+    """Read the value of an option that takes a whole number."""
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a whole number, as 3, got {text!r}") from None
+
+
+def check_plot(path: Path | None) -> None:
+    """Find out before the work that the figure cannot be written."""
+    if path is not None and path.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise ValueError(f"--plot must end in .png, .pdf or .svg, got {str(path)!r}")
+    check_output("--plot", path)
+
+
+def check_output(option: str, path: Path | None) -> None:
+    """Find out before the work that a file cannot be written."""
+    if path is None:
+        return
+    if not path.absolute().parent.is_dir():
+        raise ValueError(f"{option}: the folder {str(path.parent)!r} does not exist")
+    if path.exists() and not is_regular(path):
+        what = "folder" if path.is_dir() else "pipe or device"
+        raise ValueError(f"{option} must name a file, got the {what} {str(path)!r}")
+    if not os.access(path if path.exists() else path.absolute().parent, os.W_OK):
+        raise ValueError(f"{option}: no permission to write {str(path)!r}")

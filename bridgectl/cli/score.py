@@ -1,0 +1,273 @@
+"""`bridgectl score`: its options, and what they ask for."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import bridgectl as bc
+from bridgectl import _checks as check
+from bridgectl._work import Work, at_most, require_feasible
+from bridgectl.cli.options import (
+    add_bridge_options,
+    add_file_options,
+    add_place_options,
+    add_vehicle_options,
+    add_work_options,
+    as_number,
+    as_whole,
+    check_output,
+    check_plot,
+    check_ramps,
+    file_arguments,
+    make_beam,
+    make_vehicle,
+    parse_speeds,
+    place_road,
+    refuse_file_options,
+    resumed,
+    save_figure,
+    tell_drawn,
+    working,
+)
+from bridgectl.surface.compute import RAMP_LENGTH
+
+if TYPE_CHECKING:
+    from bridgectl.dampers import Damper, Strategy
+
+STATION = 678.0
+"""Where the bridge is in the measured road that comes with the program [m]."""
+
+RANDOM_CLASSES = "AB"
+"""ISO 8608 classes of the random roads."""
+
+N_CONSTANT = 5
+"""Constant dampers between the bounds, beside the vehicle's own."""
+
+PASSIVE, CONSTANT = "passive", "constant"
+"""What --strategies calls the vehicle's own damper, and the constant dampers together."""
+
+SCORE_HELP = """\
+Score damper strategies for a bridge: the library of 14, and constant dampers between the same
+bounds, over the same roads and speeds. Prints, for each strategy:
+
+  the bridge      mean dynamic amplification factor (DAF) of the bending moment, its difference to
+                  the vehicle's own passive damper with a 95 % confidence interval over the roads,
+                  and the worst speed
+  road and ride   dynamic load coefficient, fourth power of the tire force, least tire force, body
+                  acceleration (plain and weighted by ISO 2631-1 W_k), suspension travel, switches
+  the DAE         the dynamic amplification estimate (DAE) from the strategy's own unit ramps beside
+                  the simulated DAF: of Eq. (15), and of second order over the class of the roads;
+                  how either orders the strategies
+
+The library: passive (the vehicle's own), preset, skyhook, continuous skyhook, groundhook, tire
+groundhook, extended groundhook, selective groundhook, hybrid, ADD, SH-ADD, PDD, clipped LQR,
+bridgehook.
+
+ROAD is delimited text, ERD text or OpenCRG, whose units the file states ('x [m], z [mm]') or
+--units tells; the file options hold for all of them. Without ROAD: a measured road that comes with
+the program. Beside the files there are --random N roads of ISO 8608 class A and N of class B, the
+same every time. Without options it takes a minute on two cores; --resume FILE keeps what is done
+when it is interrupted.
+
+examples:
+  bridgectl score --plot score.png
+  bridgectl score east.csv west.csv --units m,mm --station 1250 --span 35 --random 0
+  bridgectl score --strategies skyhook,groundhook,bridgehook --lag 0.01 --max-force 20e3
+  bridgectl score --random 50 --resume score.jsonl --json > score.json"""
+
+
+def add_score_options(parser: argparse.ArgumentParser) -> None:
+    """Add every option but those of the output."""
+    add_file_options(parser, many=True)
+    add_place_options(parser, approach=60.0, speeds="60:120:10")
+    parser.add_argument(
+        "--departure", type=as_number, default=0.0, metavar="M",
+        help="road after the bridge that is driven, for ride and tire force [m] (default 0)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--random", type=as_whole, default=6, metavar="N",
+        help="random roads of ISO 8608 class A, and as many of class B (default 6)",
+    )  # fmt: skip
+    _add_damper_options(parser)
+    add_bridge_options(parser)
+    add_vehicle_options(parser)
+    add_work_options(parser.add_argument_group("work"))
+
+
+def _add_damper_options(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group(
+        "semi-active damper", "Force limit, lag and noise leave constant dampers as they are."
+    )
+    group.add_argument(
+        "--strategies", metavar="NAME,NAME",
+        help="those of the library to score beside the vehicle's own damper; 'constant' for the "
+        "constant dampers (default all)",
+    )  # fmt: skip
+    for option, default, text in (
+        ("--c-min", 1e3, "least damping [N s/m] (default 1000)"),
+        ("--c-max", 30e3, "largest damping [N s/m] (default 30000)"),
+        ("--lag", 0.0, "time constant with which the damping follows [s] (default 0)"),
+        ("--sample-time", 2e-3, "time between samples of the controller [s] (default 0.002)"),
+        ("--max-force", np.inf, "largest damper force [N] (default none)"),
+        ("--velocity-noise", 0.0, "noise on measured velocities, rms [m/s] (default 0)"),
+    ):
+        group.add_argument(option, type=as_number, default=default, metavar="X", help=text)
+    group.add_argument(
+        "--seed", type=as_whole, default=0, metavar="N", help="of the noise (default 0)"
+    )
+
+
+def run_score(args: argparse.Namespace) -> None:
+    """Do what the command asks for."""
+    check_plot(args.plot)
+    check_output("--resume", args.resume)
+    speeds = parse_speeds(args.speeds) / 3.6
+    if args.workers is not None:
+        check.integer("--workers", args.workers, at_least=1)
+    beam, vehicle = make_beam(args), make_vehicle(args)
+    dampers = _dampers(args, beam, vehicle)
+    roads = _roads(args, beam.length)
+    with resumed(args.resume):
+        board = bc.score(
+            dampers, beam, vehicle, roads, speeds, approach=args.approach,
+            departure=args.departure, section=args.section, recovery=args.recovery,
+            resume=args.resume, workers=args.workers,
+        )  # fmt: skip
+    if args.plot is not None:
+        with working("drawing"):
+            save_figure(board.plot(), args.plot)
+    if args.json:
+        print(board.to_json())
+        return
+    from bridgectl.scoring.text import print_score
+
+    print_score(board)
+    tell_drawn(args.plot)
+
+
+def _dampers(args: argparse.Namespace, beam: bc.Beam, vehicle: bc.QuarterCar) -> list[Damper]:
+    """The strategies that are asked for, each in a damper."""
+    from bridgectl.dampers import Damper, library
+
+    c_min = check.positive("--c-min", args.c_min, unit="N s/m")
+    c_max = check.positive("--c-max", args.c_max, unit="N s/m")
+    if not c_min < c_max:
+        raise ValueError(f"--c-min must be below --c-max, got {c_min:g} and {c_max:g} N s/m")
+    check.positive("--damping", vehicle.damping, unit="N s/m")
+    hardware = {
+        "lag": check.not_negative("--lag", args.lag, unit="s"),
+        "velocity_noise": check.not_negative("--velocity-noise", args.velocity_noise, unit="m/s"),
+        "max_force": args.max_force,
+        "seed": check.integer("--seed", args.seed, at_least=0),
+    }
+    if not args.max_force > 0:
+        raise ValueError(f"--max-force must be above 0 [N], got {args.max_force:g}")
+    sample_time = check.positive("--sample-time", args.sample_time, unit="s")
+    own, *others = library(beam, vehicle, c_min, c_max, section=args.section)
+    constants = _constants(c_min, c_max, vehicle.damping)
+    return [
+        Damper(strategy, sample_time, **({} if strategy.c_min == strategy.c_max else hardware))
+        for strategy in [own, *_chosen(args.strategies, others, constants)]
+    ]
+
+
+def _constants(c_min: float, c_max: float, own: float) -> list[Strategy]:
+    """Constant dampers over the range, of round values between its ends."""
+    from bridgectl.dampers import passive
+
+    rounded = [float(f"{c:.2g}") for c in np.geomspace(c_min, c_max, N_CONSTANT)]
+    between = [c for c in rounded if c_min < c < c_max]
+    found = {each.name: each for each in map(passive, [c_min, *between, c_max])}
+    found.pop(passive(own).name, None)
+    return list(found.values())
+
+
+def _chosen(
+    text: str | None, others: Sequence[Strategy], constants: Sequence[Strategy]
+) -> list[Strategy]:
+    """The strategies that --strategies names, in its order."""
+    if text is None:
+        return [*others, *constants]
+    known = {strategy.name.lower(): [strategy] for strategy in others}
+    known |= {PASSIVE: [], CONSTANT: list(constants)}
+    names = [" ".join(name.split()).lower() for name in text.split(",")]
+    for name in names:
+        if name not in known:
+            listed = ", ".join([PASSIVE, *(strategy.name for strategy in others), CONSTANT])
+            raise ValueError(f"--strategies: there is no {name!r}; there are: {listed}")
+        if names.count(name) > 1:
+            raise ValueError(f"--strategies names {name!r} twice")
+    return [strategy for name in names for strategy in known[name]]
+
+
+def _roads(args: argparse.Namespace, span: float) -> list[bc.RoadProfile]:
+    """The files, or else the measured road, and the random roads."""
+    check_ramps("--approach", args.approach)
+    check_ramps("--departure", args.departure)
+    check.integer("--random", args.random, at_least=0)
+    if args.roads:
+        roads = [_file_road(args, path, span) for path in _different(args.roads)]
+    else:
+        refuse_file_options(args)
+        whole = bc.utia_road()
+        station = max(STATION, float(whole.x[0]) + args.approach)
+        road, _ = place_road(
+            args, whole, "that comes with the program", span,
+            station=station, departure=args.departure,
+        )  # fmt: skip
+        roads = [road]
+    return _named_apart(roads, args.roads) + _random_roads(args, span)
+
+
+def _file_road(args: argparse.Namespace, path: Path, span: float) -> bc.RoadProfile:
+    whole = bc.read_profile(path, track=args.track, **file_arguments(args))
+    return place_road(args, whole, str(path), span, departure=args.departure)[0]
+
+
+def _different(paths: Sequence[Path]) -> Sequence[Path]:
+    """Check that no file is given twice: it would look like more evidence than there is."""
+    whole = [path.resolve() for path in paths]
+    for path, found in zip(paths, whole, strict=True):
+        if whole.count(found) > 1:
+            raise ValueError(f"{path} is given twice: each road counts once")
+    return paths
+
+
+def _named_apart(roads: list[bc.RoadProfile], paths: Sequence[Path]) -> list[bc.RoadProfile]:
+    """Name roads by their paths where files of different folders have one name."""
+    names = [road.name for road in roads]
+    if len(set(names)) == len(names):
+        return roads
+    return [
+        road._measured_as(road.measured_step, str(path))
+        for road, path in zip(roads, paths, strict=True)
+    ]
+
+
+def _require_feasible(number: int, length: float) -> None:
+    """Refuse more random roads than can be made and kept."""
+
+    def work(**given: float) -> Work:
+        roads = len(RANDOM_CLASSES) * given["--random"]
+        return Work(4 * 8 * roads * length / RAMP_LENGTH, 2e-3 * roads)
+
+    require_feasible(work, {"--random": at_most(number, 100)})
+
+
+def _random_roads(args: argparse.Namespace, span: float) -> list[bc.RoadProfile]:
+    """Random roads, of which the first ones stay the same when more are asked for."""
+    length = args.approach + span + args.departure
+    _require_feasible(args.random, length)
+    found = []
+    for iso_class in RANDOM_CLASSES:
+        for number in range(1, args.random + 1):
+            rng = np.random.default_rng((ord(iso_class), number))
+            road = bc.iso8608_profile(iso_class, length, seed=rng, start=-args.approach)
+            name = f"class {iso_class}, {number}"
+            found.append(road._measured_as(road.measured_step, name))
+    return found

@@ -1,0 +1,242 @@
+"""A strategy's command for many speeds and roads at once: its CasADi expression on numpy arrays.
+
+CasADi evaluates an expression case by case. Here each of its operations is done for all cases
+before the next one, on arrays of signals that broadcast: twenty times faster for some thousand
+cases, and what depends on position or speed alone is computed once for all roads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bridgectl._checks import FloatArray
+from bridgectl.dampers.strategy import SIGNALS, Strategy, numbers
+
+Operation = Callable[..., Any]
+
+OPERATIONS: dict[int, Operation] = {
+    ca.OP_ASSIGN: lambda a: a,
+    ca.OP_ADD: np.add,
+    ca.OP_SUB: np.subtract,
+    ca.OP_MUL: np.multiply,
+    ca.OP_DIV: np.divide,
+    ca.OP_NEG: np.negative,
+    ca.OP_EXP: np.exp,
+    ca.OP_LOG: np.log,
+    ca.OP_POW: np.power,
+    ca.OP_CONSTPOW: np.power,
+    ca.OP_SQRT: np.sqrt,
+    ca.OP_SQ: np.square,
+    ca.OP_TWICE: lambda a: 2.0 * a,
+    ca.OP_SIN: np.sin,
+    ca.OP_COS: np.cos,
+    ca.OP_TAN: np.tan,
+    ca.OP_ASIN: np.arcsin,
+    ca.OP_ACOS: np.arccos,
+    ca.OP_ATAN: np.arctan,
+    ca.OP_ATAN2: np.arctan2,
+    ca.OP_SINH: np.sinh,
+    ca.OP_COSH: np.cosh,
+    ca.OP_TANH: np.tanh,
+    ca.OP_INV: lambda a: 1.0 / a,
+    ca.OP_FABS: np.abs,
+    ca.OP_SIGN: np.sign,
+    ca.OP_FLOOR: np.floor,
+    ca.OP_CEIL: np.ceil,
+    ca.OP_FMOD: np.fmod,
+    ca.OP_COPYSIGN: np.copysign,
+    ca.OP_FMIN: np.fmin,
+    ca.OP_FMAX: np.fmax,
+    # Truth is 1.0 in CasADi, and counts as a number.
+    ca.OP_LT: lambda a, b: np.multiply(np.less(a, b), 1.0),
+    ca.OP_LE: lambda a, b: np.multiply(np.less_equal(a, b), 1.0),
+    ca.OP_EQ: lambda a, b: np.multiply(np.equal(a, b), 1.0),
+    ca.OP_NE: lambda a, b: np.multiply(np.not_equal(a, b), 1.0),
+    ca.OP_NOT: lambda a: np.multiply(np.logical_not(a), 1.0),
+    ca.OP_AND: lambda a, b: np.multiply(np.logical_and(a, b), 1.0),
+    ca.OP_OR: lambda a, b: np.multiply(np.logical_or(a, b), 1.0),
+    ca.OP_IF_ELSE_ZERO: lambda a, b: np.where(a, b, 0.0),
+}
+"""What CasADi's operations are on arrays."""
+
+
+class BatchLaw:
+    """The command of a strategy for arrays of signals, one row a speed.
+
+    Parameters
+    ----------
+    strategy : Strategy
+        The strategy.
+    speeds : sequence of float
+        Speed of each row [m/s]; see `Strategy.for_speed`.
+    gains : mapping, optional
+        Gains that differ between cases, by name, shape (speeds, roads); see `Strategy.gains_for`.
+    """
+
+    def __init__(
+        self,
+        strategy: Strategy,
+        speeds: Sequence[float],
+        gains: Mapping[str, FloatArray] | None = None,
+    ) -> None:
+        self.name, self.own_gains = strategy.name, dict(gains or {})
+        at_speeds = [strategy.for_speed(float(speed)) for speed in speeds]
+        self.laws = at_speeds[:1] if all(law is strategy for law in at_speeds) else at_speeds
+        self.steps = _merged([law.function for law in self.laws])
+        self._know({})
+
+    def foresee(self, positions: FloatArray, speeds: FloatArray) -> None:
+        """Evaluate ahead of all samples what depends on place and speed alone.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (speeds, samples)
+            Where each speed is at each sample [m].
+        speeds : ndarray, shape (speeds,)
+            Speeds [m/s].
+        """
+        self._know({"position": positions, "speed": speeds[:, np.newaxis]})
+
+    def _know(self, signals: dict[str, FloatArray]) -> None:
+        """Do all steps that take no other signals: constants at least."""
+        steps, known = self.steps or [], dict[int, Any]()
+        with np.errstate(all="ignore"):
+            for k, step in enumerate(steps):
+                if step.operation == ca.OP_CONST:
+                    several = len(step.constant) > 1
+                    known[k] = step.constant[:, np.newaxis] if several else step.constant[0]
+                elif step.operation == ca.OP_INPUT:
+                    if (name := _signal(step)) in signals:
+                        known[k] = signals[name]
+                elif all(i in known for i in step.takes):
+                    known[k] = _do(step, known)
+        self.remaining = [k for k in range(len(steps)) if k not in known]
+        # Only what is taken later is kept: tables of many places are long.
+        taken = {i for k in self.remaining for i in steps[k].takes} | {len(steps) - 1}
+        self.known = {k: value for k, value in known.items() if k in taken}
+
+    def __call__(self, signals: Mapping[str, ArrayLike], sample: int = 0) -> FloatArray:
+        """Return the command [N s/m].
+
+        Parameters
+        ----------
+        signals : mapping
+            Arrays by name, of shapes that broadcast together; the laws of several speeds take
+            the first so many rows.
+        sample : int, optional
+            Which of the samples it is that were foreseen.
+
+        Returns
+        -------
+        ndarray
+            Of the shape that the signals broadcast to.
+
+        Raises
+        ------
+        ValueError
+            If the law returns NaN or infinity.
+        """
+        shape = np.broadcast_shapes(*(np.shape(value) for value in signals.values()))
+        if self.steps is None:
+            return self._one_by_one(signals, shape)
+        with np.errstate(all="ignore"):  # a branch that is not taken may divide by zero
+            return numbers(self.name, self._together(self.steps, signals, shape, sample))
+
+    def _together(
+        self,
+        steps: list[_Step],
+        signals: Mapping[str, ArrayLike],
+        shape: tuple[int, ...],
+        sample: int,
+    ) -> FloatArray:
+        """Step after step, each for all cases."""
+        inputs = [[signals[name] for name in SIGNALS], self._gains(shape)]
+        values: dict[int, Any] = {}
+        for k, value in self.known.items():
+            if np.ndim(value):
+                column = sample if value.shape[1] > 1 else 0
+                value = value[: shape[0], column : column + 1]
+            values[k] = value
+        for k in self.remaining:
+            step = steps[k]
+            if step.operation == ca.OP_INPUT:
+                values[k] = inputs[step.takes[0]][step.takes[1]]
+            else:
+                values[k] = _do(step, values)
+        return np.broadcast_to(values[len(steps) - 1], shape)
+
+    def _one_by_one(self, signals: Mapping[str, ArrayLike], shape: tuple[int, ...]) -> FloatArray:
+        """Case by case in CasADi, for operations that are not among those above."""
+        cases = [*(signals[name] for name in SIGNALS), *self._gains(shape)]
+        rows = np.array([np.broadcast_to(case, shape) for case in cases])
+        several = np.moveaxis(rows, 1, 0) if len(self.laws) > 1 else [rows]
+        each = zip(self.laws, several, strict=False)
+        n = len(SIGNALS)
+        found = [
+            law.evaluate(*np.split(row.reshape(len(rows), -1), [n])).reshape(row.shape[1:])
+            for law, row in each
+        ]
+        return np.array(found) if len(self.laws) > 1 else found[0]
+
+    def _gains(self, shape: tuple[int, ...]) -> list[Any]:
+        """Values of the gains, of those cases that are asked for."""
+        here = tuple(slice(0, size) for size in shape)
+        own = {name: values[here] for name, values in self.own_gains.items()}
+        return [own.get(name, value) for name, value in self.laws[0].gains.items()]
+
+
+class _Step(NamedTuple):
+    """One operation of a CasADi expression, for laws that differ in their constants alone."""
+
+    operation: int
+    takes: tuple[int, ...]
+    """The steps whose results it takes; of an input, which argument and which entry of it."""
+    constant: FloatArray
+    """A constant's value, one for all laws or one for each."""
+
+
+def _merged(functions: Sequence[ca.Function]) -> list[_Step] | None:
+    """Steps of functions that differ in their constants alone; None where they do not."""
+    first, *others = [_steps(function) for function in functions]
+    alike = all([step[:2] for step in other] == [step[:2] for step in first] for other in others)
+    special = {ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT}
+    if not alike or not {step.operation for step in first} <= special | set(OPERATIONS):
+        return None
+    merged = []
+    for step, *same in zip(first, *others, strict=True):
+        every = np.concatenate([step.constant, *(other.constant for other in same)])
+        equal = bool(np.all(every == every[0]) or np.isnan(every).all())
+        merged.append(step._replace(constant=every[:1] if equal else every))
+    return merged
+
+
+def _steps(function: ca.Function) -> list[_Step]:
+    """The operations of a function; the last one gives its result."""
+    made_by: dict[int, int] = {}  # places of the work vector, which are used again and again
+    steps = []
+    for k in range(function.n_instructions()):
+        operation = function.instruction_id(k)
+        takes = tuple(function.instruction_input(k))
+        constant = function.instruction_constant(k) if operation == ca.OP_CONST else 0.0
+        if operation not in (ca.OP_CONST, ca.OP_INPUT):
+            takes = tuple(made_by[place] for place in takes)
+        steps.append(_Step(operation, takes, np.array([constant])))
+        if operation != ca.OP_OUTPUT:
+            made_by.update(dict.fromkeys(function.instruction_output(k), k))
+    return steps
+
+
+def _signal(step: _Step) -> str | None:
+    """Name of the signal that a step reads, if it does."""
+    of_signals = step.operation == ca.OP_INPUT and step.takes[0] == 0
+    return SIGNALS[step.takes[1]] if of_signals else None
+
+
+def _do(step: _Step, values: Mapping[int, Any]) -> Any:
+    taken = [values[i] for i in step.takes]
+    return taken[0] if step.operation == ca.OP_OUTPUT else OPERATIONS[step.operation](*taken)

@@ -1,0 +1,234 @@
+"""What the rest of the package asks of crossings with a damper: responses, DAFs, ramp surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridgectl._checks import FloatArray
+from bridgectl._threads import on_one_thread
+from bridgectl._warn import warn
+from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
+from bridgectl.dampers.loop.advance import Ends
+from bridgectl.dampers.loop.closed_loop import simulate_loop
+from bridgectl.dampers.loop.loop import Loop
+from bridgectl.dampers.loop.result import LoopResult
+from bridgectl.dampers.loop.steps import SUSPENSION
+from bridgectl.dampers.loop.work import require_loop
+from bridgectl.dampers.strategy import Strategy
+from bridgectl.linear.cells import SAME_PLACE, merge_places
+from bridgectl.linear.runs import Run
+from bridgectl.model.crossing import Crossing
+from bridgectl.simulate import LiftOffWarning, warn_of_flight, warn_of_flights
+from bridgectl.surface.compute import ramp_surface
+from bridgectl.surface.histories import FeedbackHistories
+
+
+def damped_dafs(run: Run, damper: Damper, speeds: FloatArray) -> FloatArray:
+    """Return the DAF of one road at some speeds [m/s], shape (n_speeds,)."""
+    found = simulate_run(run, damper, speeds)
+    places = dict(zip(speeds.tolist(), found.lift_off[:, 0].tolist(), strict=True))
+    warn_of_flights({c: x for c, x in places.items() if x < np.inf}, speeds.size)
+    return found.daf[:, 0]
+
+
+def simulate_run(
+    run: Run, damper: Damper | Strategy, speeds: FloatArray | None = None
+) -> LoopResult:
+    """Simulate one road at some speeds [m/s], by default the crossing's: see `simulate_loop`."""
+    crossing, x = run.crossing, _stations(run, np.zeros(0))
+    return simulate_loop(
+        crossing.beam, bare_vehicle(crossing.vehicle), damper,
+        crossing.speed if speeds is None else speeds, x, -run.road(x)[:, 0],
+        section=crossing.section, recovery=crossing.recovery,
+    )  # fmt: skip
+
+
+@on_one_thread
+def damped_response(
+    run: Run, damper: Damper | Strategy, asked: FloatArray
+) -> tuple[Run, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return places, states, tire forces and damper forces of one crossing.
+
+    Parameters
+    ----------
+    run : Run
+        The crossing and its road.
+    damper : Damper or Strategy
+        The damper.
+    asked : ndarray
+        Places [m] that are wanted; by default the ends of all steps.
+
+    Returns
+    -------
+    run : Run
+        The same without the vehicle's own damper.
+    positions, states, forces, damper : ndarray, shapes (m,), (n, m), (1, m), (1, m)
+    """
+    crossing = _bare(run.crossing)
+    x = _stations(run, asked)
+    device, speed = as_damper(damper), np.array([crossing.speed])
+    require_loop(crossing, [device], speed, x, 1)
+    loop = Loop(crossing, device, speed, x, -run.road(x).T)
+    places: list[float] = [x[0]]
+    states: list[FloatArray] = [np.zeros(crossing.n_states)]
+    forces, dampings = [loop.stepper.weight], [0.0]
+
+    def keep(now: Ends, place: float) -> None:
+        places.append(place)
+        states.append(now.states[0, 1:, 0].copy())
+        forces.append(now.force[0, 0])
+        dampings.append(now.damping[0, 0])
+
+    place = float(loop.run(keep).lift_off[0, 0])
+    if place < np.inf:
+        warn_of_flight(place)
+    every, columns = np.array(places), np.array(states).T
+    wanted = asked if asked.size else every
+    index = np.minimum(np.searchsorted(every, wanted - SAME_PLACE), every.size - 1)
+    columns = columns[:, index]
+    velocity = SUSPENSION @ columns[: crossing.n_vehicle]
+    force = loop.stepper.damper_force(np.array(dampings)[index], velocity)
+    tires = np.array(forces)[np.newaxis, index]
+    return run._replace(crossing=crossing), wanted, columns, tires, force[np.newaxis]
+
+
+class RampsAndRoads(NamedTuple):
+    """DAFs of a smooth road, of unit ramps and of roads, from one run."""
+
+    smooth: FloatArray
+    """Shape (n_speeds,)."""
+    unit: FloatArray
+    """DAF of a ramp at every place, shape (n_speeds, n_ramps)."""
+    roads: LoopResult
+    """Of the roads, with what was recorded."""
+    flights: int
+    """Number of crossings of a ramp whose tire leaves the road."""
+
+
+def ramp_dafs(
+    crossing: Crossing,
+    damper: Damper | Strategy,
+    speeds: FloatArray,
+    edges: FloatArray,
+    heights: FloatArray,
+    every: int,
+) -> tuple[FloatArray, FloatArray, FeedbackHistories]:
+    """Return DAFs of a smooth road and of ramps of several heights, and what stands for histories.
+
+    Parameters
+    ----------
+    crossing : Crossing
+        The crossing; its speed does not count.
+    damper : Damper or Strategy
+        The damper.
+    speeds : ndarray, shape (n_speeds,)
+        Speeds [m/s].
+    edges : ndarray, shape (n_ramps + 1,)
+        Ends of the ramps [m].
+    heights : ndarray, shape (n_heights,)
+        Drops over a ramp [m].
+    every : int
+        Ramps start at each so many-th of the edges.
+
+    Returns
+    -------
+    daf_smooth, daf_ramps, histories
+        Shapes (n_speeds,), (n_heights, n_speeds, n_places), and an object.
+    """
+    device = as_damper(damper)
+    histories = FeedbackHistories(device.strategy.name)
+    if device.kept is not None:
+        surfaces = [
+            ramp_surface(
+                crossing.beam, replace(bare_vehicle(crossing.vehicle), damping=float(c)), speeds,
+                approach=-float(edges[0]), ramp_length=float(edges[1] - edges[0]),
+                ramp_height=float(heights[0]), both_ways=len(heights) > 1,
+                section=crossing.section, recovery=crossing.recovery,
+            )
+            for c in device.kept
+        ]  # fmt: skip
+        names = ("daf_unit", "daf_rise")[: len(heights)]
+        best = [np.min([getattr(s, name) for s in surfaces], axis=0) for name in names]
+        smooth = np.min([surface.daf_smooth for surface in surfaces], axis=0)
+        return smooth, np.array(best)[..., ::every], histories
+    starts = np.arange(0, len(edges) - 1, every)
+    kept = np.unique([*starts, *(starts + 1), len(edges) - 1])  # steps end at stations
+    found = ramps_and_roads(
+        crossing, device, speeds, edges[kept],
+        np.repeat(np.searchsorted(kept, starts), len(heights)), np.tile(heights, len(starts)),
+    )  # fmt: skip
+    if found.flights:
+        warn(
+            f"a tire leaves the road in {found.flights} of {found.unit.size} crossings of a ramp "
+            f"of {heights[0]:g} m: simulated there with R >= 0; type a smaller ramp_height",
+            LiftOffWarning,
+        )
+    ramps = np.moveaxis(found.unit.reshape(len(speeds), -1, len(heights)), -1, 0)
+    return found.smooth, ramps, histories
+
+
+@on_one_thread
+def ramps_and_roads(
+    crossing: Crossing,
+    damper: Damper,
+    speeds: FloatArray,
+    stations: FloatArray,
+    starts: NDArray[np.intp],
+    drops: FloatArray,
+    roads: FloatArray | None = None,
+    record: tuple[str, ...] = (),
+) -> RampsAndRoads:
+    """Simulate unit ramps and roads side by side.
+
+    Parameters
+    ----------
+    crossing, damper, speeds
+        As `ramp_dafs`.
+    stations : ndarray, shape (n,)
+        Stations of the roads [m].
+    starts : ndarray of int, shape (n_ramps,)
+        Stations that the ramps start at, by number, never falling; each reaches to the next one.
+    drops : ndarray, shape (n_ramps,)
+        Drop over each ramp [m].
+    roads : ndarray, shape (n_roads, n), optional
+        Elevations of roads [m].
+    record : tuple of str, optional
+        Histories to keep of the roads: see `simulate_loop`.
+
+    Returns
+    -------
+    RampsAndRoads
+    """
+    whole = np.empty((0, len(stations))) if roads is None else roads
+    require_loop(
+        _bare(crossing), [damper], speeds, stations, len(whole) + 1, n_ramps=len(starts),
+        n_recorded=len(record), announced=roads is None,
+    )  # fmt: skip
+    after = np.arange(len(stations)) > starts[:, np.newaxis]
+    # A ramp's road is the smooth one, the first, until the ramp begins.
+    elevations = np.vstack([np.zeros((1, len(stations))), whole, -drops[:, np.newaxis] * after])
+    first = 1 + len(whole)
+    begins = np.concatenate([np.full(first, stations[0]), stations[starts]])
+    order = np.argsort(speeds, kind="stable")
+    found = Loop(
+        _bare(crossing), damper, speeds[order], stations, elevations, record, slice(1, first),
+        begins,
+    ).run().of_speeds(np.argsort(order))  # fmt: skip
+    of_roads = found.of_roads(slice(1, first))
+    flights = int(np.isfinite(found.lift_off[:, first:]).sum())
+    return RampsAndRoads(found.daf[:, 0], found.daf[:, first:], of_roads, flights)
+
+
+def _stations(run: Run, asked: FloatArray) -> FloatArray:
+    """Where a road is straight between, and what is asked for [m]."""
+    own = np.zeros(0) if run.profile is None else run.profile.x
+    inside = own[(own > run.start) & (own < run.end)]
+    return merge_places(np.concatenate([[run.start, run.end], inside, asked]))
+
+
+def _bare(crossing: Crossing) -> Crossing:
+    return replace(crossing, vehicle=bare_vehicle(crossing.vehicle))

@@ -1,0 +1,299 @@
+"""Steps of a crossing with a damper in the loop: where they begin and end, and their matrices.
+
+Between samples of the controller a crossing is cut at the stations of the road, the section and
+the ends of the bridge. Within a step vehicle and modes move freely and exactly; the tire force R
+and the damper force F are straight lines through two Gauss points (the stages), and the road under
+the tire is one too. With u = y_t - v at the stages and w = y_s' - y_t',
+
+    u = u_free + C_uR (R - W) + C_uF F,    R - W = max(-W, K_t (u - r)),     Eq. (2)
+    w = w_free + C_wR (R - W) + C_wF F,    F = c w
+
+which a few substitutions solve, since the masses hardly move within a step: C is small. The
+vehicle takes R - W, so that one at rest on a level road stays so to the bit; the beam takes R.
+Where a tire leaves or meets the road within a step, or F its limit, the step is cut there: see
+`bridgectl.dampers.loop.events`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from bridgectl._checks import FloatArray
+from bridgectl.linear.cells import SAME_PLACE, hold_responses, mode_matrices
+from bridgectl.model.crossing import Crossing
+
+STAGES = (np.polynomial.legendre.leggauss(2)[0] + 1) / 2
+"""Gauss points of a step, as fractions of it."""
+
+POINTS = np.array([*STAGES, 0.5, 1.0])
+"""Where a step's responses are needed: stages, middle, end."""
+
+MAX_PHASE = 0.1
+"""Largest advance of phase of the vehicle's fastest motion in a step [rad]."""
+
+MAX_MODE_PHASE = 2.0
+"""And of the beam's fastest mode [rad]: it moves exactly, but peaks are sought through `POINTS`."""
+
+MAX_LAG = 0.5
+"""Largest step after a sample, over the lag of the damping, which then changes fastest."""
+
+FORGOTTEN = 5.0
+"""Lags after which a change of the damping is over, as far as steps are concerned."""
+
+BODY, AXLE = 1, 3
+"""Places of y_s' and y_t' among a quarter-car's states; each displacement is before its rate."""
+
+SUSPENSION = np.array([0.0, 1.0, 0.0, -1.0])
+"""Suspension velocity y_s' - y_t' of a quarter-car's states."""
+
+TIRE, DAMPER = slice(0, 2), slice(2, 4)
+"""Rows of u and of w at the stages, and columns of R and of F."""
+
+TIRE_LATER, STATES, MOMENT = slice(4, 6), 6, slice(-4, None)
+"""Rows of u at middle and end; first row of the states; last rows, on the bridge, those of the
+states' share of the moment at all `POINTS`."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Rounds from sample to sample, at each speed its own, in steps; S speeds in rising order.
+
+    All speeds enter the bridge in the same round: the slowest start first and end last.
+    """
+
+    edges: FloatArray
+    """Ends of the steps [m], (S, rounds, steps + 1); steps that a speed has no use for are
+    empty."""
+    first: NDArray[np.intp]
+    """First round of each speed, (S,), falling."""
+    last: NDArray[np.intp]
+    """Round after the last of each speed, (S,), falling."""
+    entry: int
+    """The round in which the bridge is entered."""
+
+    def at_work(self, rounds: slice) -> int:
+        """How many of the speeds, counted from the slowest, are under way in some rounds."""
+        here = (self.first < rounds.stop) & (self.last > rounds.start)
+        return int(here.sum())
+
+
+def longest_step(crossing: Crossing, c_max: float, n_modes: int) -> float:
+    """Return the longest duration of a step [s], for dampings up to c_max [N s/m]."""
+    vehicle = crossing.linear
+    stiffest = vehicle.state_matrix_on_tires() + np.outer(
+        vehicle.damper_input[:, 0], c_max * SUSPENSION
+    )
+    fastest = np.abs(np.linalg.eigvals(stiffest)).max()
+    return float(min(MAX_PHASE / fastest, MAX_MODE_PHASE / crossing.beam.omega[n_modes - 1]))
+
+
+def times_within(sample_time: float, longest: float, lag: float) -> FloatArray:
+    """Times after a sample at which a step ends [s], for a lag of the damping [s].
+
+    A step's error goes with the fourth power of its length, and with how fast the damping changes,
+    which fades: steps grow as it does.
+    """
+    times, last = [], 0.0
+    while lag and last < FORGOTTEN * lag:
+        last += min(longest, MAX_LAG * lag * np.exp(last / lag / 4))
+        times.append(last)
+    rest = last + longest * np.arange(lag == 0, np.ceil((sample_time - last) / longest))
+    every = np.array([*times[:-1], *rest])
+    return every[every < sample_time]
+
+
+def make_plan(
+    crossing: Crossing,
+    speeds: FloatArray,
+    stations: FloatArray,
+    sample_time: float,
+    parts: FloatArray,
+) -> Plan:
+    """Cut the way from the first to the last station into rounds and steps.
+
+    Parameters
+    ----------
+    crossing : Crossing
+        Whose bridge and section count; its speed does not.
+    speeds : ndarray, shape (S,)
+        Speeds [m/s], rising.
+    stations : ndarray
+        Stations of the road [m].
+    sample_time : float
+        Duration of a round [s].
+    parts : ndarray
+        Times within a round at which a step ends [s]: see `times_within`.
+    """
+    start, stop, span = stations[0], stations[-1], crossing.beam.length
+    places = np.unique([*stations, 0.0, crossing.section * span, span])
+    lengths = speeds * sample_time
+    entries = np.floor(-start / lengths + SAME_PLACE).astype(np.intp)
+    counts = np.ceil((stop - start) / lengths - SAME_PLACE).astype(np.intp)
+    cuts = []
+    for length, speed, count in zip(lengths, speeds, counts, strict=True):
+        inner = (start + length * np.arange(count)[:, np.newaxis] + speed * parts).ravel()
+        every = np.unique(np.concatenate([places, inner]))
+        every = every[(every > start) & (every < stop)]
+        rounds = np.floor((every - start) / length + SAME_PLACE / length).astype(np.intp)
+        apart = np.append(np.diff(every) > SAME_PLACE, True)
+        apart &= np.abs(every - start - length * np.round((every - start) / length)) > SAME_PLACE
+        every, rounds = every[apart], rounds[apart]
+        cuts.append((every, rounds, np.arange(every.size) - np.searchsorted(rounds, rounds)))
+    most = max((int(rank.max(initial=-1)) for *_, rank in cuts), default=-1) + 1
+    entry = int(entries.max())
+    first = entry - entries
+    edges = np.full((len(speeds), int((first + counts).max()), most + 2), stop)
+    for i, (every, rounds, rank) in enumerate(cuts):
+        samples = np.minimum(start + lengths[i] * np.arange(counts[i] + 1), stop)
+        own = edges[i, first[i] : first[i] + counts[i]]
+        own[:, 0], own[:, 1:] = samples[:-1], samples[1:, np.newaxis]
+        own[rounds, rank + 1] = every
+    return Plan(edges, first, first + counts, entry)
+
+
+class Responses:
+    """Responses of vehicle and modes on their own to initial states and to held forces.
+
+    They are smooth functions of the duration of a step, and read from Chebyshev series.
+    """
+
+    def __init__(self, crossing: Crossing, longest: float) -> None:
+        phase = crossing.beam.omega[-1] * longest
+        n_terms = 16 + int(phase)  # beyond half the phase the series falls as fast as factorials
+        nodes = np.cos(np.pi * (np.arange(n_terms) + 0.5) / n_terms)
+        durations = (nodes[np.newaxis] + 1) / 2 * longest
+        vehicle = crossing.linear
+        inputs = np.hstack([vehicle.tire_input, vehicle.damper_input])
+        found = [
+            *hold_responses(vehicle.state_matrix, inputs, durations, STAGES, POINTS),
+            *hold_responses(
+                *mode_matrices(crossing, crossing.beam.n_modes), durations, STAGES, POINTS
+            ),
+        ]
+        to_series = np.linalg.inv(chebyshev.chebvander(nodes, n_terms - 1))
+        self.shapes = [values.shape[2:] for values in found]
+        self.series = [to_series @ values[0].reshape(n_terms, -1) for values in found]
+        self.longest = longest
+
+    def at(self, durations: FloatArray) -> list[FloatArray]:
+        """Return what `hold_responses` does, of vehicle and modes, for durations (S, K) [s]."""
+        places = 2 * durations.ravel() / self.longest - 1
+        values = chebyshev.chebvander(places, len(self.series[0]) - 1)
+        return [
+            (values @ series).reshape(*durations.shape, *shape)
+            for series, shape in zip(self.series, self.shapes, strict=True)
+        ]
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Matrices of K steps at each of S speeds, and what the road needs."""
+
+    free: FloatArray
+    """From [1, states], (S, K, rows, 1 + n)."""
+    forced: FloatArray
+    """From [R - W, F] at the stages, (S, K, rows, 4)."""
+    influence: FloatArray
+    """Moment per tire force at the points, (S, K, 4, 1)."""
+    durations: FloatArray
+    """Durations [s], (S, K)."""
+    piece: NDArray[np.intp]
+    """Piece of the road that each step runs on, (S, K)."""
+    share: FloatArray
+    """Fractions of that piece behind the stages, the middle and the end, (S, K, 4, 1)."""
+
+
+def make_steps(
+    crossing: Crossing,
+    responses: Responses,
+    speeds: FloatArray,
+    edges: FloatArray,
+    stations: FloatArray,
+    *,
+    on_bridge: bool,
+) -> Steps:
+    """Compute the matrices of steps.
+
+    Parameters
+    ----------
+    crossing : Crossing
+        Beam and vehicle; the vehicle's own damper counts as part of it.
+    responses : Responses
+        Of that crossing.
+    speeds : ndarray, shape (S,)
+        Speeds [m/s].
+    edges : ndarray, shape (S, rounds, steps + 1)
+        See `Plan`; K = rounds x steps.
+    stations : ndarray
+        Stations of the road [m].
+    on_bridge : bool
+        False where no step reaches the bridge: of the states the vehicle's alone count then.
+    """
+    begin, end = (e.reshape(len(edges), -1) for e in (edges[..., :-1], edges[..., 1:]))
+    durations = (end - begin) / speeds[:, np.newaxis]
+    x = begin[..., np.newaxis] + (end - begin)[..., np.newaxis] * POINTS
+    free_vehicle, held_vehicle, free_modes, held_modes = responses.at(durations)
+    n, vehicle = crossing.n_vehicle, crossing.linear
+    batch, n_modes = durations.shape, crossing.beam.n_modes if on_bridge else 0
+    n_states = n + 2 * n_modes
+    n_rows = STATES + n_states + (len(POINTS) if on_bridge else 0)
+    free = np.zeros((*batch, n_rows, 1 + n_states))
+    forced = np.zeros((*batch, n_rows, 4))
+    own, by = slice(1, n + 1), slice(STATES, STATES + n)
+    # Columns R and F: a tire, then a damper, each with its values at the stages.
+    held = np.moveaxis(held_vehicle, -1, -2).reshape(*batch, len(POINTS), n, 4)
+    hub, rate = vehicle.hubs[0], SUSPENSION
+    for rows, row in ((TIRE, hub), (DAMPER, rate)):
+        free[..., rows, own] = row @ free_vehicle[..., :2, :, :]
+        forced[..., rows, :] = row @ held[..., :2, :, :]
+    free[..., TIRE_LATER, own] = hub @ free_vehicle[..., 2:, :, :]
+    forced[..., TIRE_LATER, :] = hub @ held[..., 2:, :, :]
+    free[..., by, own], forced[..., by, :] = free_vehicle[..., 3, :, :], held[..., 3, :, :]
+    influence = np.zeros_like(x)
+    if on_bridge:
+        _add_beam(crossing, free, forced, x, free_modes, held_modes)
+        gains = np.where(x <= crossing.beam.length + SAME_PLACE, 1.0, 0.0)
+        influence = gains * crossing.rows(x).per_force[..., 0]
+        free[..., MOMENT, :] *= gains[..., np.newaxis]
+        forced[..., MOMENT, :] *= gains[..., np.newaxis]
+    middle = np.clip(x[..., 2], stations[0], stations[-1])
+    piece = np.clip(np.searchsorted(stations, middle, side="right") - 1, 0, stations.size - 2)
+    share = (x - stations[piece][..., np.newaxis]) / np.diff(stations)[piece][..., np.newaxis]
+    return Steps(free, forced, influence[..., np.newaxis], durations, piece, share[..., np.newaxis])
+
+
+def _add_beam(
+    crossing: Crossing,
+    free: FloatArray,
+    forced: FloatArray,
+    x: FloatArray,
+    free_modes: FloatArray,
+    held_modes: FloatArray,
+) -> None:
+    """Add the modes to the rows and columns of steps on the bridge."""
+    shapes = crossing.beam.mode_shapes(x)
+    n, n_modes = crossing.n_vehicle, crossing.beam.n_modes
+    # Modal states at each point per value of R at each stage: (..., modes, points, 2, stages).
+    modal = held_modes[..., 0] * np.moveaxis(shapes[..., :2, :], -1, -2)[..., None, None, :]
+    per_force = np.zeros_like(forced[..., TIRE])
+    for row, point in ((0, 0), (1, 1), (4, 2), (5, 3)):
+        under = shapes[..., point, :, np.newaxis]
+        own = under * free_modes[..., point, 0, :]
+        free[..., row, n + 1 :] -= own.reshape(*own.shape[:-2], -1)
+        per_force[..., row, :] = -(under * modal[..., point, 0, :]).sum(axis=-2)
+    of_beam = crossing.rows(0.0).per_state[n:].reshape(n_modes, 2)
+    for point in range(len(POINTS)):
+        row = MOMENT.start + point
+        own = np.einsum("ja,...jab->...jb", of_beam, free_modes[..., point, :, :])
+        free[..., row, n + 1 :] = own.reshape(*own.shape[:-2], -1)
+        per_force[..., row, :] = np.einsum("ja,...jai->...i", of_beam, modal[..., point, :, :])
+    for j in range(n_modes):
+        rows = slice(STATES + n + 2 * j, STATES + n + 2 * j + 2)
+        free[..., rows, n + 1 + 2 * j : n + 3 + 2 * j] = free_modes[..., j, 3, :, :]
+        per_force[..., rows, :] = modal[..., j, 3, :, :]
+    forced[..., TIRE] += per_force
+    free[..., 0] = crossing.linear.static_loads[0] * per_force.sum(axis=-1)

@@ -1,0 +1,1 @@
+"""The damping that is best if all of the road is known."""

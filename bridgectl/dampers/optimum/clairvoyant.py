@@ -1,0 +1,375 @@
+"""The clairvoyant optimum: how low a semi-active damper could bring the peak moment.
+
+With all of the road known, the damping c(t) of one crossing is chosen for the least peak moment. No
+damper can know the road like that: this is a line to compare strategies with, not a controller.
+
+The damping is held over intervals, which are cut into the steps of
+`bridgectl.dampers.optimum.steps`: states, impulses z and moments M_k are linear in one another, and
+all that is not is z = phi v, with phi between its values at c_min and c_max. IPOPT solves
+
+    minimise t   subject to   M_k <= t,   x_(k+1) = T_k x_k + Z_k z_k + g_k,   z_k = phi_k v_k
+
+with all states as variables (multiple shooting). It finds local optima: it starts from the passive
+damper and from bridgehook, and the lowest of all is taken, these two included. What is reported is
+never the solver's number but that of `simulate_loop` with this damping.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_crossing
+from bridgectl._threads import on_one_thread
+from bridgectl._warn import warn
+from bridgectl.dampers.actuator import Damper, bare_vehicle
+from bridgectl.dampers.costate import costate
+from bridgectl.dampers.loop.damped import simulate_run
+from bridgectl.dampers.loop.result import LoopResult
+from bridgectl.dampers.optimum.steps import Steps, join, march
+from bridgectl.dampers.strategy import Strategy, damping_bounds
+from bridgectl.linear.runs import prepare
+from bridgectl.model.beam import Beam
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.road import RoadProfile
+from bridgectl.road.events import require_road
+from bridgectl.simulate import LiftOffWarning
+
+STEPS = (5e-3, 2.5e-3, 1.25e-3)
+"""Longest steps to try [s], until the closed loop agrees: their error falls with the square."""
+
+AGREEMENT = 2e-3
+"""Largest difference allowed between the DAF of the steps and that of the closed loop. The damping
+hardly changes with the steps: with half as long ones its DAF is the same within 0.001."""
+
+PULL = 1e-6
+"""Weight of the mean square distance from passive, which decides what the peak leaves open."""
+
+SMALLEST = 1e-6
+"""Least size of a state [m, m/s] that it is divided by: on a smooth road some barely move."""
+
+NOT_SOLVED = "not solved: a constant damping, or bridgehook, is the best found"
+"""Status where no solution of the solver is lower."""
+
+EARLIER = 1e-6
+"""How far before an interval's start its damping is given [m]: places of samples are rounded."""
+
+SOLVER: Any = {
+    "print_time": False,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "ipopt.max_iter": 300,
+    # A thousand bounds share the gap to the optimum: at 1e-5 it is 0.001 of the DAF.
+    "ipopt.tol": 1e-6,
+    "ipopt.mu_strategy": "adaptive",
+}
+"""Options of the solver. Where it stops early its last point is still a damping to simulate."""
+
+
+@dataclass(frozen=True, eq=False)
+class Clairvoyant:
+    """The damping of the least peak moment, found by `clairvoyant`.
+
+    Attributes
+    ----------
+    daf : float
+        Peak moment over the peak static one [-], by `simulate_loop` with this damping.
+    passive_daf : float
+        The same [-] with the vehicle's own damping, kept within the damper's range.
+    positions : ndarray, shape (n,)
+        Where the intervals start [m].
+    damping : ndarray, shape (n,)
+        Damping held from there [N s/m].
+    step : float
+        Time that it is held [s].
+    c_min, c_max : float
+        Bounds of the damping [N s/m].
+    status : str
+        What the solver said of the best of its solutions. The numbers above do not depend on it.
+    """
+
+    daf: float
+    passive_daf: float
+    positions: FloatArray
+    damping: FloatArray
+    step: float
+    c_min: float
+    c_max: float
+    status: str
+
+    def __repr__(self) -> str:
+        return (
+            f"Clairvoyant(DAF {self.daf:.4f}, passive {self.passive_daf:.4f}, "
+            f"{len(self.damping)} dampings from x = {self.positions[0]:.4g} m to "
+            f"{self.positions[-1]:.4g} m held {self.step * 1e3:g} ms, c from {self.c_min:g} to "
+            f"{self.c_max:g} N s/m)"
+        )
+
+    @cached_property
+    def damper(self) -> Damper:
+        """The damping as an open-loop damper, for `simulate_loop` at the same speed and start."""
+        return _open_loop(self.positions, self.damping, self.step, self.c_min, self.c_max)
+
+
+@on_one_thread
+def clairvoyant(
+    beam: Beam,
+    vehicle: QuarterCar,
+    speed: float,
+    road: RoadProfile,
+    c_min: float,
+    c_max: float,
+    *,
+    start: float = 0.0,
+    step: float = 5e-3,
+    section: float = 0.5,
+    recovery: str = "exact",
+) -> Clairvoyant:
+    """Find the damping that gives one crossing its least peak moment, all of the road known.
+
+    A reference line for strategies, not a controller: no damper knows the road so well. It is the
+    best that a local solver found, from several starts: an upper bound of the true optimum.
+
+    Parameters
+    ----------
+    beam, section, recovery
+        See `bridgectl.Crossing`.
+    vehicle : QuarterCar
+        The vehicle; its own damping is where the search starts.
+    speed : float
+        Speed c [m/s].
+    road : RoadProfile
+        The road, covering `start` to the end of the bridge.
+    c_min, c_max : float
+        Bounds of the damping [N s/m].
+    start : float, optional
+        Where the vehicle starts in equilibrium [m]: 0, or negative for a start on the approach.
+    step : float, optional
+        Time that the damping is held [s].
+
+    Returns
+    -------
+    Clairvoyant
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not what is described above.
+    RuntimeError
+        If the closed loop does not confirm the peak moment within 0.002.
+
+    Warns
+    -----
+    LiftOffWarning
+        If the tire leaves the road, which the search knows nothing of.
+
+    References
+    ----------
+    S. M. Savaresi, C. Spelta, J. Dyn. Syst. Meas. Control 129 (2007) 382-391, for bounds of
+    semi-active suspensions by full knowledge of the road; G. Strang, SIAM J. Numer. Anal. 5 (1968)
+    506-517, for the splitting.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.dampers.optimum.clairvoyant import clairvoyant
+    >>> beam, car = bc.li2006.beam(), bc.li2006.car()
+    >>> road = bc.RoadProfile([-5, 3, 3.1, 25], [0, 0, -0.003, -0.003])
+    >>> best = clairvoyant(beam, car, 30.0, road, 1e3, 30e3, start=-5, step=0.02)
+    >>> print(f"{best.passive_daf:.2f} passive, {best.daf:.2f} at best")
+    1.15 passive, 1.12 at best
+    """
+    bare = bare_vehicle(vehicle)
+    require_road(road)
+    soft, stiff = damping_bounds(c_min, c_max)
+    crossing = Crossing(beam, bare, speed, section, recovery)
+    run = prepare(crossing, road, start)
+    judge_crossing(crossing, crossing.speed, road)
+    held = check.positive("step", step, unit="s")
+    own = float(np.clip(vehicle.damping, soft, stiff))
+    for longest in STEPS:
+        steps = join(run, held, longest, soft, stiff)
+        tries = _tries(steps, beam, vehicle, crossing, own)
+        peaks = [march(steps, given.shares).peak for given in tries]
+        best = tries[int(np.argmin(peaks))]
+        found = steps.damping(best.shares)
+        law = _open_loop(steps.positions, found, held, soft, stiff)
+        optimum = simulate_run(run, law)
+        if _agrees(optimum, min(peaks)):
+            break
+    else:
+        raise RuntimeError(
+            f"the closed loop gives a DAF of {optimum.daf[0, 0]:.4f} for an optimum of "
+            f"{min(peaks):.4f}: type a smaller step, for example step={min(held, longest) / 2:g}"
+        )
+    constant = np.full_like(found, own)
+    law = _open_loop(steps.positions, constant, held, soft, stiff)
+    passive = float(simulate_run(run, law).daf[0, 0])
+    lowest = float(optimum.daf[0, 0])
+    if passive <= lowest:
+        lowest, found, best = passive, constant, _Try(best.shares, NOT_SOLVED)
+    return Clairvoyant(lowest, passive, steps.positions, found, held, soft, stiff, best.status)
+
+
+class _Try(NamedTuple):
+    """A damping to compare, as shares of its range in each interval, and the solver's word."""
+
+    shares: FloatArray
+    status: str
+
+
+def _tries(
+    steps: Steps, beam: Beam, vehicle: QuarterCar, crossing: Crossing, own: float
+) -> list[_Try]:
+    """What the search starts from, and what it finds."""
+    passive = steps.shares(own)
+    hook = _bridgehook_shares(steps, beam, vehicle, crossing, passive)
+    plain = [_Try(shares, NOT_SOLVED) for shares in (passive, 0 * passive, 0 * passive + 1, hook)]
+    if steps.c_min == steps.c_max:
+        return plain
+    solver = _Solver(steps, passive)
+    return [*plain, solver.solve(passive), solver.solve(hook)]
+
+
+def _agrees(optimum: LoopResult, peak: float) -> bool:
+    """Whether the closed loop confirms an optimum; nothing can where the tire leaves the road."""
+    if optimum.least_force[0, 0] > 0:
+        return bool(abs(optimum.daf[0, 0] - peak) <= AGREEMENT)
+    warn(
+        "the tire leaves the road: the damping is the best of a crossing without lift-off, and "
+        "its DAF is that with R >= 0",
+        LiftOffWarning,
+    )
+    return True
+
+
+def _bridgehook_shares(
+    steps: Steps, beam: Beam, vehicle: QuarterCar, crossing: Crossing, own: FloatArray
+) -> FloatArray:
+    """Shares that bridgehook commands, from the costate of the passive crossing."""
+    found = costate(
+        beam, vehicle, crossing.speed, section=crossing.section, reach=-float(steps.positions[0])
+    )
+    sigma = np.interp(steps.positions, *found)
+    past = steps.positions > found.positions[-1]
+
+    def choose(i: int, v: float) -> float:
+        return float(own[i]) if past[i] else float(sigma[i] * v < 0)
+
+    return march(steps, choose).shares
+
+
+class _Solver:
+    """The bilinear program, for several starts.
+
+    Its variables are states and impulses over their size in the passive crossing, the shares, and
+    the peak t.
+    """
+
+    def __init__(self, steps: Steps, own: FloatArray) -> None:
+        self.steps, passive = steps, march(steps, own)
+        n = max(len(state) for state in passive.states)
+        largest = np.max([np.pad(abs(x), (0, n - len(x))) for x in passive.states], axis=0)
+        self.sizes = np.maximum(largest, SMALLEST)
+        self.rate_size = max(float(abs(passive.rates).max()), SMALLEST)
+        self.impulse_size = self.rate_size * float(steps.phi(steps.c_max).max())
+        self.ends = np.cumsum([0, *(len(state) for state in passive.states[1:])])
+        self.n_impulses, self.n_shares = len(steps.each), len(steps.positions)
+        self.solver, self.n_equal, self.n_moments = self._program(own)
+
+    def _program(self, own: FloatArray) -> tuple[Any, int, int]:
+        steps = self.steps
+        dynamics, always = self._assemble([step.end for step in steps.each[:-1]], 1)
+        rates, rates_always = self._assemble([step.rate[np.newaxis] for step in steps.each], 0)
+        moments, moments_always = self._assemble([step.moments for step in steps.each], 0)
+        x, z = ca.MX.sym("x", int(self.ends[-1])), ca.MX.sym("z", self.n_impulses)
+        share, t = ca.MX.sym("share", self.n_shares), ca.MX.sym("t")
+        known = ca.vertcat(x, z)
+        least, most = (steps.phi(c)[steps.interval] for c in (steps.c_min, steps.c_max))
+        which = np.arange(self.n_impulses), steps.interval
+        ranges = sparse.csc_matrix((most - least, which), (self.n_impulses, self.n_shares))
+        phi = ca.DM(least) + ca.DM(ranges) @ share
+        v = rates @ known + rates_always
+        constraints = ca.vertcat(
+            dynamics @ known + always, z - phi * v / self.impulse_size,
+            moments @ known + moments_always - t,
+        )  # fmt: skip
+        cost = t + PULL / self.n_shares * ca.sumsqr(share - ca.DM(own))
+        program: Any = {"x": ca.vertcat(known, share, t), "f": cost, "g": constraints}
+        n_equal = dynamics.shape[0] + self.n_impulses
+        return ca.nlpsol("clairvoyant", "ipopt", program, SOLVER), n_equal, moments.shape[0]
+
+    def _assemble(self, blocks: list[FloatArray], ends: int) -> tuple[Any, Any]:
+        """Stack maps of the steps into one of all states and impulses, and a constant.
+
+        With `ends`, the maps lead to the states at the ends of steps, which are subtracted, and
+        the rows are over the sizes of states.
+        """
+        entries: list[tuple[FloatArray, NDArray[np.intp], NDArray[np.intp]]] = []
+        always, row = [], 0
+        for k, block in enumerate(blocks):
+            m, n = block.shape[0], block.shape[1] - 2
+            rows = row + np.arange(m)
+            over = self.sizes[:m, np.newaxis] if ends else np.ones((m, 1))
+            columns = self.ends[-1] + np.array([k])
+            entries.append(_entries(block[:, [-2]] * self.impulse_size / over, rows, columns))
+            if k:  # the first step starts in equilibrium
+                columns = self.ends[k - 1] + np.arange(n)
+                entries.append(_entries(block[:, :-2] * self.sizes[:n] / over, rows, columns))
+            if ends:
+                entries.append(_entries(-np.eye(m), rows, self.ends[k] + np.arange(m)))
+            always.append(block[:, -1] / over[:, 0])
+            row += m
+        values, i, j = (np.concatenate(part) for part in zip(*entries, strict=True))
+        shape = row, int(self.ends[-1]) + self.n_impulses
+        matrix = sparse.csc_matrix((values, (i, j)), shape)
+        matrix.eliminate_zeros()
+        return ca.DM(matrix), ca.DM(np.concatenate(always))
+
+    def solve(self, shares: FloatArray) -> _Try:
+        """Look for the optimum from a damping."""
+        run = march(self.steps, shares)
+        states = [state / self.sizes[: len(state)] for state in run.states[1:]]
+        guess = np.concatenate([*states, run.impulses / self.impulse_size, shares, [run.peak]])
+        low, high = np.full(len(guess), -np.inf), np.full(len(guess), np.inf)
+        low[-1 - self.n_shares : -1], high[-1 - self.n_shares : -1] = 0.0, 1.0
+        lowest = np.append(np.zeros(self.n_equal), np.full(self.n_moments, -np.inf))
+        found = self.solver(x0=guess, lbx=low, ubx=high, lbg=lowest, ubg=0.0)
+        best = np.clip(np.array(found["x"])[-1 - self.n_shares : -1, 0], 0.0, 1.0)
+        if not np.all(np.isfinite(best)):
+            return _Try(shares, NOT_SOLVED)
+        return _Try(best, str(self.solver.stats()["return_status"]))
+
+
+def _entries(
+    block: FloatArray, rows: NDArray[np.intp], columns: NDArray[np.intp]
+) -> tuple[FloatArray, NDArray[np.intp], NDArray[np.intp]]:
+    """Values, rows and columns of a block of a sparse matrix."""
+    return block.ravel(), np.repeat(rows, len(columns)), np.tile(columns, len(rows))
+
+
+def _open_loop(
+    positions: FloatArray, damping: FloatArray, held: float, c_min: float, c_max: float
+) -> Damper:
+    """Damping over position, sampled where its intervals start.
+
+    Read from a table: `bridgectl.dampers.program`, a choice for each of hundreds of places, takes
+    ten times as long.
+    """
+    x = ca.MX.sym("x")
+    place = ca.low(ca.DM(np.append(positions - EARLIER, np.inf)), x)
+    table = ca.Function("held", [x], [ca.MX(ca.DM(damping))[place]], {"never_inline": True})
+
+    def law(s: Any, g: Any) -> Any:
+        return table(s.position) if np.ptp(damping) else damping[0] + 0 * s.position
+
+    return Damper(Strategy("clairvoyant", law, c_min, c_max), sample_time=held)

@@ -1,0 +1,116 @@
+"""Peaks of histories that are sampled at the cells' starts and stages."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from bridgectl._checks import FloatArray
+from bridgectl.linear.cells import SAMPLES
+
+_PER_CELL = len(SAMPLES)
+_FINE = np.linspace(0.0, 1.0, 33)
+_KNOTS = np.append(SAMPLES, 1.0)
+# Values on the fine grid of the polynomial through a cell's samples and its end.
+_TO_FINE = np.vander(_FINE, len(_KNOTS)) @ np.linalg.inv(np.vander(_KNOTS))
+
+
+class Peaks(NamedTuple):
+    """Largest values of some histories and where they are."""
+
+    values: FloatArray
+    cells: np.ndarray
+    fractions: FloatArray
+
+    def positions(self, nodes: FloatArray) -> FloatArray:
+        """Position of each peak, for the nodes of the cells [m]."""
+        return np.asarray(
+            nodes[self.cells] + self.fractions * (nodes[self.cells + 1] - nodes[self.cells])
+        )
+
+
+def find_peaks(histories: FloatArray) -> Peaks:
+    """Find the largest value of each history, between the samples too.
+
+    A history may have kinks at the nodes and is smooth within a cell, where the
+    polynomial through its seven samples stands for it.
+
+    Parameters
+    ----------
+    histories : ndarray, shape (6 n_cells + 1, n_histories)
+        Values at `bridgectl.linear.cells.sample_positions`.
+
+    Returns
+    -------
+    Peaks
+        Arrays of shape (n_histories,).
+    """
+    # Within the margin of the largest sample another cell may hold the peak.
+    enough = histories.max(axis=0) - margins(histories)
+    # Few samples come near any history's peak: look for those of each history among them.
+    high = np.nonzero(histories.max(axis=1) >= enough.min())[0]
+    samples, columns = np.nonzero(histories[high] >= enough)
+    samples = high[samples]
+    cells = samples // _PER_CELL
+    n_cells = (len(histories) - 1) // _PER_CELL
+    # A sample at a node belongs to the cells on both its sides.
+    at_node = samples % _PER_CELL == 0
+    cells = np.concatenate([cells, cells[at_node] - 1])
+    columns = np.concatenate([columns, columns[at_node]])
+    inside = (cells >= 0) & (cells < n_cells)
+    cells, columns = cells[inside], columns[inside]
+
+    around = histories[_PER_CELL * cells + np.arange(_PER_CELL + 1)[:, np.newaxis], columns]
+    values, fractions = _polynomial_peaks(around)
+    order = np.lexsort((values, columns))
+    best = order[np.searchsorted(columns[order], np.arange(histories.shape[1]), side="right") - 1]
+    return Peaks(values[best], cells[best], fractions[best])
+
+
+def raise_peaks(best: FloatArray, histories: FloatArray) -> None:
+    """Raise the largest values known of some histories by what a further stretch of them has.
+
+    Parameters
+    ----------
+    best : ndarray, shape (n_histories,)
+        Largest values so far, changed in place.
+    histories : ndarray, shape (6 n_cells + 1, n_histories)
+        As in `find_peaks`.
+    """
+    columns = np.nonzero(histories.max(axis=0) + margins(histories) >= best)[0]
+    if columns.size:
+        every = columns.size == len(best)
+        higher = find_peaks(histories if every else histories[:, columns]).values
+        best[columns] = np.maximum(best[columns], higher)
+
+
+def whole_cells(first: int, last: int, n_samples: int) -> tuple[int, int]:
+    """Bounds of the samples of the whole cells that samples from `first` to `last` lie in."""
+    start = _PER_CELL * max(0, (int(first) - 1) // _PER_CELL)
+    return start, min(n_samples, _PER_CELL * (int(last) // _PER_CELL + 1) + 1)
+
+
+def margins(histories: FloatArray) -> FloatArray:
+    """How far a history may rise above its samples, (n_histories,).
+
+    Between samples a smooth history rises above them by an eighth of its second difference;
+    this is twice that, and the difference of every other sample.
+    """
+    first, middle, last = (histories[i::_PER_CELL] for i in range(1, _PER_CELL, 2))
+    return np.asarray(np.abs(first - 2 * middle + last).max(axis=0) / 4)
+
+
+def _polynomial_peaks(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Peak and its place in [0, 1] of polynomials given by their samples, shape (7, n)."""
+    fine = _TO_FINE @ samples
+    top, each = fine.argmax(axis=0), np.arange(samples.shape[1])
+    inner = np.clip(top, 1, len(_FINE) - 2)
+    before, at, after = (fine[inner + shift, each] for shift in (-1, 0, 1))
+    bend = before - 2 * at + after
+    shift = np.divide(before - after, 2 * bend, out=np.full_like(bend, np.inf), where=bend < 0)
+    # The parabola's top counts inside the cell: near its ends the cell next door has it.
+    inside = np.abs(shift) <= 1
+    shift = np.where(inside, shift, top - inner)
+    values = np.where(inside, at - (before - after) * shift / 4, fine[top, each])
+    return values, (inner + shift) * _FINE[1]

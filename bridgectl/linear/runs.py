@@ -1,0 +1,253 @@
+"""A crossing simulated by two routes: the propagator, and the control library.
+
+The propagator (`bridgectl.linear.cells`) solves the linear crossing for many speeds at once. The
+reference is `control.input_output_response` on the crossing's control system, with tight
+tolerances and with the tires kept from pulling. Both give states and tire forces at the same
+places.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import control
+import numpy as np
+from numpy.typing import NDArray
+
+from bridgectl import _checks
+from bridgectl._checks import FloatArray
+from bridgectl.linear.cells import (
+    N_STAGES,
+    SAME_PLACE,
+    Cells,
+    bridge_entry,
+    build_cells,
+    cell_nodes,
+    kink_positions,
+    merge_places,
+    road_rows,
+)
+from bridgectl.model.crossing import Crossing
+from bridgectl.road import RoadProfile
+from bridgectl.road.sampling import warn_if_coarse
+
+REFERENCE_TOLERANCES = {"rtol": 1e-9, "atol": 1e-13}
+"""Tolerances of the reference route; the states are metres, deflections about 1e-4 of one."""
+
+LIFT_OFF = 1e-9
+"""Fraction of its static load by which a tire force may be negative through round-off."""
+
+BATCH_BYTES = 64e6
+"""Memory that the maps of the speeds treated at once may take."""
+
+
+class Run(NamedTuple):
+    """A crossing to simulate: where it starts and ends, and the road."""
+
+    crossing: Crossing
+    start: float
+    end: float
+    profile: RoadProfile | None
+
+    def kinks(self) -> FloatArray:
+        """Where the motion is not smooth: see `kink_positions`."""
+        stations = np.zeros(0)
+        if self.profile is not None:
+            # The road before the start is level: it has a kink there.
+            stations = np.append(self.profile.x[self.profile.x > self.start], self.start)
+        return kink_positions(self.crossing, self.start, self.end, stations)
+
+    def nodes(self, slowest: float, refine: int = 1) -> FloatArray:
+        """Nodes of the cells: see `cell_nodes`."""
+        return cell_nodes(self.crossing, slowest, self.kinks(), refine)
+
+    def road(self, x: FloatArray) -> FloatArray:
+        """Road r under each tire for the reference tire at x, positive downward [m]."""
+        tires = self.crossing.tire_positions(x)
+        return (
+            np.zeros_like(tires) if self.profile is None else self.profile.drop(tires, self.start)
+        )
+
+
+class Stretch(NamedTuple):
+    """The approach or the bridge, simulated: `Cells.propagate` for one road.
+
+    `road` has shape (C + 1, n_tires), `states` (S, C + 1, n), `stages` (S, C, 2 q).
+    """
+
+    cells: Cells
+    road: FloatArray
+    states: FloatArray
+    stages: FloatArray
+
+
+def prepare(
+    crossing: Crossing,
+    profile: RoadProfile | None,
+    start: float,
+    tail: float = 0.0,
+    pieces: float = 0.0,
+) -> Run:
+    """Check where a crossing starts and that its road covers it, and is not too coarse.
+
+    `pieces` is the length [m] of the straight pieces that the road counts in, if any.
+    """
+    start = _checks.number("start", start, unit="m")
+    if start > 0:
+        raise ValueError(
+            "start must be 0 m (the start of the bridge) or negative (the approach), got "
+            f"{start:g}: type {-start:g}"
+        )
+    if profile is not None:
+        if not isinstance(profile, RoadProfile):
+            raise TypeError(
+                f"profile must be a bridgectl.RoadProfile, got {type(profile).__name__}: "
+                "type RoadProfile(x, elevation) or read_profile(path), and one road at a time"
+            )
+        profile.require(start, crossing.beam.length, "the crossing")
+        warn_if_coarse(profile, "dynamic amplification", pieces=pieces)
+    after = _checks.not_negative("tail", tail, unit="s") * crossing.speed
+    return Run(crossing, start, crossing.exit + after, profile)
+
+
+def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> Iterator[slice]:
+    """Slices of the speeds whose maps fit in memory together."""
+    crossing, stages = run.crossing, 2 * N_STAGES * run.crossing.linear.n_tires
+    cells = len(run.nodes(float(speeds.min())))
+    bytes_per_speed = 8 * cells * stages * (4 * crossing.n_states + stages)
+    size = max(1, int(memory / bytes_per_speed))
+    return (slice(i, i + size) for i in range(0, len(speeds), size))
+
+
+def propagate(run: Run, speeds: FloatArray, nodes: FloatArray) -> list[Stretch]:
+    """Simulate the linear crossing: the approach if there is one, then the bridge."""
+    crossing, entry = run.crossing, bridge_entry(nodes)
+    initial = np.zeros((len(speeds), crossing.n_states, 1))
+    stretches = []
+    if entry > 0:
+        cells = build_cells(crossing, speeds, nodes[: entry + 1], on_bridge=False)
+        approach = _through(run, cells, initial[:, : crossing.n_vehicle])
+        initial[:, : crossing.n_vehicle, 0] = approach.states[:, -1]
+        stretches.append(approach)
+    cells = build_cells(crossing, speeds, nodes[entry:], on_bridge=True)
+    return [*stretches, _through(run, cells, initial)]
+
+
+def _through(run: Run, cells: Cells, initial: FloatArray) -> Stretch:
+    road = run.road(cells.nodes)
+    states, stages = cells.propagate(road_rows(road)[..., np.newaxis], initial)
+    return Stretch(cells, road, states[..., 0], stages[..., 0])
+
+
+def state_maps(stretches: list[Stretch]) -> list[FloatArray]:
+    """Map of the states over each cell of one speed; on the approach the vehicle's alone."""
+    maps: list[FloatArray] = []
+    for cells in (stretch.cells for stretch in stretches):
+        maps.extend(cells.transitions()[0][0, cells.map_of, : cells.n_states])
+    return maps
+
+
+def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
+    """The crossing's effect at `sample_positions` of the bridge's cells, (S, n_samples)."""
+    at_nodes = crossing.values(bridge.cells.nodes, bridge.states, _node_forces(crossing, bridge))
+    inner = bridge.cells.inner_effects(bridge.states[:, :-1], bridge.stages)
+    inner = np.concatenate([at_nodes[:, :-1, np.newaxis], inner], axis=2)
+    return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
+
+
+def lifts_off(crossing: Crossing, stretches: list[Stretch]) -> NDArray[np.bool_]:
+    """At which speeds some tire would have to pull, shape (S,)."""
+    least = np.full(len(stretches[0].states), np.inf)
+    for stretch in stretches:
+        at_nodes = _node_forces(crossing, stretch) / crossing.linear.static_loads
+        at_stages = stretch.stages[..., : stretch.stages.shape[-1] // 2]
+        loads = np.tile(crossing.linear.static_loads, N_STAGES)
+        least = np.minimum(least, at_nodes.min(axis=(1, 2)))
+        least = np.minimum(least, (at_stages / loads).min(axis=(1, 2)))
+    return np.asarray(least < -LIFT_OFF)
+
+
+def _node_forces(crossing: Crossing, stretch: Stretch) -> FloatArray:
+    """Tire forces at the nodes, shape (S, C + 1, n_tires)."""
+    n, states = crossing.n_vehicle, stretch.states
+    deflections = np.zeros(1)
+    if states.shape[-1] > n:
+        shapes = crossing.tire_shapes(stretch.cells.nodes)
+        deflections = np.einsum("ckj,scj->sck", shapes, states[:, :, n::2])
+    return crossing.tire_forces(
+        states[:, :, :n] @ crossing.linear.hubs.T, deflections, stretch.road
+    )
+
+
+def at_nodes(
+    crossing: Crossing, stretches: list[Stretch], keep: NDArray[np.intp]
+) -> tuple[FloatArray, FloatArray]:
+    """States and tire forces of one speed at the nodes to keep, (n, m) and (n_tires, m)."""
+    states, forces = [], []
+    for stretch in stretches:
+        # The last node of the approach is the first on the bridge.
+        upto = None if stretch is stretches[-1] else -1
+        padded = np.zeros((len(stretch.cells.nodes), crossing.n_states))
+        padded[:, : stretch.states.shape[-1]] = stretch.states[0]
+        states.append(padded[:upto])
+        forces.append(_node_forces(crossing, stretch)[0, :upto])
+    return np.concatenate(states)[keep].T, np.concatenate(forces)[keep].T
+
+
+def linear_contact(run: Run, speeds: FloatArray) -> NDArray[np.bool_]:
+    """At which speeds every tire stays on the road throughout, shape (S,)."""
+    contact = np.empty(len(speeds), dtype=bool)
+    for batch in speed_batches(run, speeds):
+        nodes = run.nodes(float(speeds[batch].min()))
+        contact[batch] = ~lifts_off(run.crossing, propagate(run, speeds[batch], nodes))
+    return contact
+
+
+def reference_effect(run: Run, positions: FloatArray) -> FloatArray:
+    """The crossing's effect at positions by the reference path, shape (m,)."""
+    # The simulation starts on the approach, whatever positions are asked for.
+    nodes = merge_places(np.concatenate([run.kinks(), positions]))
+    states, forces = simulate_reference(run, nodes)
+    keep = np.searchsorted(nodes, positions - SAME_PLACE)
+    return run.crossing.values(positions, states[:, keep].T, forces[:, keep].T)
+
+
+def simulate_reference(run: Run, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Simulate with `control.input_output_response`, the tires kept from pulling.
+
+    One simulation from kink to kink, so that no integration step crosses one and none is
+    stepped over. Positions must include the kinks. Returns states (n, m) and tire forces
+    (n_tires, m).
+    """
+    crossing, system = run.crossing, run.crossing.system()
+    first_force = crossing.output_labels.index("deflection") + 1
+    road = run.road(positions)
+    inputs = np.zeros((len(crossing.input_labels), len(positions)))
+    inputs[: road.shape[1]] = road.T
+    states = np.zeros((crossing.n_states, len(positions)))
+    forces = np.empty((road.shape[1], len(positions)))
+    ends = np.searchsorted(positions, run.kinks() - SAME_PLACE)
+    for first, last in pairwise(ends):
+        piece = slice(first, last + 1)
+        time = positions[piece] / crossing.speed
+        response = control.input_output_response(
+            system,
+            time,
+            inputs[:, piece],
+            states[:, first],
+            solve_ivp_method="DOP853",
+            # A kink is where a step may be as long as the motion allows, from the start.
+            solve_ivp_kwargs={**REFERENCE_TOLERANCES, "first_step": time[-1] - time[0]},
+            squeeze=False,
+        )
+        states[:, piece] = response.states
+        forces[:, piece] = np.asarray(response.outputs)[first_force:][: len(forces)]
+    return states, forces
+
+
+def first_flight(positions: FloatArray, forces: FloatArray) -> float | None:
+    """Where a tire first has no contact, forces of shape (n_tires, m) [m]."""
+    flying = np.nonzero((forces <= 0.0).any(axis=0))[0]
+    return float(positions[flying[0]]) if flying.size else None

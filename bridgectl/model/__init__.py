@@ -1,0 +1,1 @@
+"""What crosses and what is crossed: bridge, vehicle, load effects, the crossing of both."""

@@ -1,0 +1,548 @@
+"""One crossing: beam, vehicle and speed as a time-varying linear system with named signals.
+
+Signs: displacements, deflection and the road input r are positive downward, measured from
+static equilibrium on a level road, as in the paper. Roads come as elevations, positive
+upward, and turn into r in one place, `RoadProfile.drop`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import control
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bridgectl import _checks
+from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_crossing
+from bridgectl.model.beam import Beam, beam_states
+from bridgectl.model.effects import EffectRows, effect_rows, known_effects, static_peak
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.recovery import RECOVERIES
+from bridgectl.model.vehicle import Vehicle, signals, vehicle_states
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A vehicle that crosses a beam at constant speed, the reference tire at x = c t.
+
+    States x = [vehicle states, beam states], each coordinate followed by its rate. With the
+    tires in contact
+
+        x' = A(t) x + B_r(t) r + B_F F_d + b(t)
+
+    where b(t) is the static loads W through the beam's time-varying input map.
+
+    Parameters
+    ----------
+    beam : Beam
+        The bridge.
+    vehicle : Vehicle or QuarterCar
+        The vehicle.
+    speed : float
+        Speed c [m/s].
+    section : float, optional
+        The section of the moment and deflection, as a fraction of the span.
+    recovery : {'exact', 'li2006', 'modal'}, optional
+        How the bending moment is recovered from the truncated modes.
+
+        - 'exact': tire forces through the static influence line plus the inertia and
+          damping forces of the modes. A few modes suffice.
+        - 'li2006': Eqs. (5)-(8) as printed, for the paper's own numbers.
+        - 'modal': curvature of the modes. Converges as 1 / n: for comparison only.
+
+        `bridgectl.model.recovery` has the formulas.
+    effect : {'moment', 'deflection', 'tire_force', 'acceleration'}, optional
+        What amplification is of: bending moment or modal deflection at the section, tire force
+        ('tire_force_1', ... of several tires), each over its static peak, or the acceleration
+        of the first vehicle coordinate [m/s^2], downward.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter has the wrong kind or range; the message names it.
+
+    Warns
+    -----
+    PlausibilityWarning
+        If the vehicle is heavier than the bridge, or faster than 216 km/h.
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eqs. (1)-(8).
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> crossing = bc.Crossing(bc.li2006.beam(), bc.li2006.car(), speed=25.0)
+    >>> f"{crossing.peak_static_moment / 1e3:.1f} kN m under the truck at mid-span"
+    '613.1 kN m under the truck at mid-span'
+    >>> crossing.state_matrix(0.5).shape
+    (10, 10)
+    """
+
+    beam: Beam
+    vehicle: Vehicle | QuarterCar
+    speed: float
+    section: float = 0.5
+    recovery: str = "exact"
+    effect: str = "moment"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.beam, Beam):
+            raise TypeError(
+                f"beam must be a bridgectl.Beam, got {type(self.beam).__name__}: type for example "
+                "bridgectl.Beam(25, 18358, 4.865e10), and the vehicle after it"
+            )
+        if not isinstance(self.vehicle, Vehicle | QuarterCar):
+            raise TypeError(
+                "vehicle must be a bridgectl.Vehicle or QuarterCar, "
+                f"got {type(self.vehicle).__name__}: type for example "
+                "bridgectl.QuarterCar(9000, 1000, 80e3, 1.8e6, 7e3), after the beam"
+            )
+        checked: dict[str, object] = {
+            "speed": _checks.positive("speed", self.speed, unit="m/s"),
+            "section": _checks.fraction("section", self.section, self.beam.length),
+            "recovery": _checks.choice("recovery", self.recovery, RECOVERIES),
+            "effect": _checks.choice("effect", self.effect, known_effects(self.linear)),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        judge_crossing(self, self.speed)
+
+    def __repr__(self) -> str:
+        return (
+            f"Crossing({self.beam!r}, {self.vehicle!r}, speed={self.speed:g} m/s, "
+            f"section={self.section:g} of the span, recovery={self.recovery!r}, "
+            f"effect={self.effect!r})"
+        )
+
+    @property
+    def linear(self) -> Vehicle:
+        """The vehicle as a `Vehicle`."""
+        return self.vehicle.linear
+
+    @property
+    def n_vehicle(self) -> int:
+        """Number of vehicle states, which come first."""
+        return 2 * self.linear.n_coordinates
+
+    @property
+    def n_states(self) -> int:
+        """Number of states."""
+        return self.n_vehicle + 2 * self.beam.n_modes
+
+    @property
+    def exit(self) -> float:
+        """Position of the reference tire when the last tire leaves the bridge [m]."""
+        return self.beam.length + float(self.linear.tire_offsets.max())
+
+    @property
+    def peak_static_moment(self) -> float:
+        """Largest static moment M_0 at the section as the vehicle creeps across [N m]."""
+        return static_peak(self.beam, self.linear, self.section, "moment")
+
+    def tire_positions(self, x: ArrayLike) -> FloatArray:
+        """Positions of the tires for the reference tire at x.
+
+        Parameters
+        ----------
+        x : array_like
+            Positions of the reference tire [m], any shape.
+
+        Returns
+        -------
+        ndarray, shape (..., n_tires)
+            Positions [m].
+        """
+        return np.asarray(x, dtype=np.float64)[..., np.newaxis] - self.linear.tire_offsets
+
+    def tire_shapes(self, x: ArrayLike) -> FloatArray:
+        """Mode shapes under the tires.
+
+        Both the time-varying input map of the modes (transposed) and the rows that read
+        the deflection under each tire.
+
+        Parameters
+        ----------
+        x : array_like
+            Positions of the reference tire [m], any shape.
+
+        Returns
+        -------
+        ndarray, shape (..., n_tires, n_modes)
+            Dimensionless, zero off the bridge: see `Beam.mode_shapes`.
+        """
+        return self.beam.mode_shapes(self.tire_positions(x))
+
+    def rows(self, x: ArrayLike, effect: str | None = None) -> EffectRows:
+        """Rows of an effect, by default the crossing's, over its static peak: Eqs. (6)-(8).
+
+        Parameters
+        ----------
+        x : array_like
+            Positions of the reference tire [m], any shape.
+        effect : str, optional
+            One of those that `Crossing` has.
+
+        Returns
+        -------
+        EffectRows
+            Gains on the tire forces, shape (..., n_tires), and on the states, shape (n,).
+        """
+        name = self.effect if effect is None else effect
+        beam, vehicle, tires = self.beam, self.linear, self.tire_positions(x)
+        rows = effect_rows(beam, vehicle, self.section, self.recovery, name, tires)
+        return rows.scaled(1 / static_peak(beam, vehicle, self.section, name))
+
+    def values(
+        self, x: FloatArray, states: FloatArray, forces: FloatArray, effect: str | None = None
+    ) -> FloatArray:
+        """Effect at many positions of the reference tire, over its static peak.
+
+        Parameters
+        ----------
+        x : ndarray, shape (m,)
+            Positions [m].
+        states, forces : ndarray, shapes (..., m, n) and (..., m, n_tires)
+            States (displacements [m] and rates [m/s]) and tire forces [N] there.
+        effect : str, optional
+            See `rows`.
+
+        Returns
+        -------
+        ndarray, shape (..., m)
+            Amplification [-]; the acceleration in m/s^2.
+        """
+        per_force, per_state, constant = self.rows(x, effect)
+        from_forces = np.einsum("mk,...mk->...m", per_force, forces)
+        return np.asarray(from_forces + states @ per_state + constant)
+
+    @cached_property
+    def deflection_row(self) -> FloatArray:
+        """Row of the deflection [m] at the section on the beam states, shape (2 n_modes,)."""
+        shape = self.beam.mode_shapes(self.section * self.beam.length)
+        return np.kron(shape, [1.0, 0.0])
+
+    @cached_property
+    def free_matrix(self) -> FloatArray:
+        """A without the tires, of `state_labels` [m, m/s]: vehicle in flight beside a free beam."""
+        matrix = np.zeros((self.n_states, self.n_states))
+        matrix[: self.n_vehicle, : self.n_vehicle] = self.linear.state_matrix
+        matrix[self.n_vehicle :, self.n_vehicle :] = self.beam.state_matrix
+        return matrix
+
+    @cached_property
+    def damper_matrix(self) -> FloatArray:
+        """B_F: input matrix of the damper forces [N], shape (n, n_dampers)."""
+        matrix = np.zeros((self.n_states, len(self.linear.damper_map)))
+        matrix[: self.n_vehicle] = self.linear.damper_input
+        return matrix
+
+    def tire_input(self, x: float) -> FloatArray:
+        """Input matrix of the tire forces [N], with the beam's input map b(t).
+
+        The vehicle takes R - W, the beam R.
+
+        Parameters
+        ----------
+        x : float
+            Position of the reference tire [m].
+
+        Returns
+        -------
+        ndarray, shape (n, n_tires)
+        """
+        return np.vstack([self.linear.tire_input, self.beam.input_matrix @ self.tire_shapes(x).T])
+
+    def tire_rows(self, x: float) -> FloatArray:
+        """Rows of K_t (y - v): tire forces [N] per state with the tires in contact.
+
+        Parameters
+        ----------
+        x : float
+            Position of the reference tire [m].
+
+        Returns
+        -------
+        ndarray, shape (n_tires, n)
+        """
+        deflection = np.kron(self.tire_shapes(x), [1.0, 0.0])
+        rows = np.hstack([self.linear.hubs, -deflection])
+        return np.asarray(self.linear.tire_stiffnesses[:, np.newaxis] * rows)
+
+    def state_matrix(self, t: float) -> FloatArray:
+        """A(t) with every tire in contact, of the states `state_labels` [m, m/s].
+
+        Parameters
+        ----------
+        t : float
+            Time [s] since the reference tire is at the start of the bridge.
+
+        Returns
+        -------
+        ndarray, shape (n, n)
+        """
+        x = self.speed * t
+        return np.asarray(self.free_matrix + self.tire_input(x) @ self.tire_rows(x))
+
+    def road_matrix(self, t: float) -> FloatArray:
+        """B_r(t), input matrix of the road r [m] with every tire in contact.
+
+        Parameters
+        ----------
+        t : float
+            Time [s]: see `state_matrix`.
+
+        Returns
+        -------
+        ndarray, shape (n, n_tires)
+        """
+        return np.asarray(-self.tire_input(self.speed * t) * self.linear.tire_stiffnesses)
+
+    def load_vector(self, t: float) -> FloatArray:
+        """b(t) W: what the static loads [N] on the beam add to the state derivative.
+
+        Parameters
+        ----------
+        t : float
+            Time [s]: see `state_matrix`.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+        """
+        on_beam = self.tire_input(self.speed * t) @ self.linear.static_loads
+        on_beam[: self.n_vehicle] = 0.0
+        return np.asarray(on_beam)
+
+    def tire_forces(
+        self, hubs: FloatArray, deflections: FloatArray, road: FloatArray
+    ) -> FloatArray:
+        """Tire forces of Eq. (2) in contact, R = W + K_t (y_t - v - r) [N].
+
+        Parameters
+        ----------
+        hubs, deflections, road : ndarray, shape (..., n_tires)
+            Hub displacements, deflections under the tires and road [m].
+
+        Returns
+        -------
+        ndarray, shape (..., n_tires)
+        """
+        vehicle = self.linear
+        return vehicle.static_loads + vehicle.tire_stiffnesses * (hubs - deflections - road)
+
+    def contact_forces(self, state: FloatArray, road: FloatArray, shapes: FloatArray) -> FloatArray:
+        """Tire forces kept from pulling, R >= 0: see `tire_forces`.
+
+        Parameters
+        ----------
+        state : ndarray, shape (n,)
+            The states `state_labels` [m, m/s].
+        road : ndarray, shape (n_tires,)
+            Road r under the tires [m], positive downward.
+        shapes : ndarray, shape (n_tires, n_modes)
+            Mode shapes under the tires, dimensionless: see `tire_shapes`.
+
+        Returns
+        -------
+        ndarray, shape (n_tires,)
+            R [N].
+        """
+        n = self.n_vehicle
+        contact = self.tire_forces(self.linear.hubs @ state[:n], shapes @ state[n::2], road)
+        return np.maximum(contact, 0.0)
+
+    def dynamics(
+        self, t: float, state: FloatArray, road: FloatArray, damper_force: FloatArray
+    ) -> FloatArray:
+        """State derivative, with the tires kept from pulling.
+
+        Parameters
+        ----------
+        t : float
+            Time [s]: see `state_matrix`.
+        state : ndarray, shape (n,)
+            The states `state_labels` [m, m/s].
+        road : ndarray, shape (n_tires,)
+            Road r under the tires [m], positive downward.
+        damper_force : ndarray, shape (n_dampers,)
+            Forces of the controlled dampers [N].
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Rates of the states [m/s, m/s^2].
+        """
+        n = self.n_vehicle
+        shapes = self.tire_shapes(self.speed * t)
+        force = self.contact_forces(state, road, shapes)
+        rate = self.free_matrix @ state + self.damper_matrix @ damper_force
+        # The static loads hold the vehicle in equilibrium; the beam feels all of R.
+        rate[:n] += self.linear.tire_input @ (force - self.linear.static_loads)
+        rate[n:] += self.beam.input_matrix @ (force @ shapes)
+        return np.asarray(rate)
+
+    @cached_property
+    def output_labels(self) -> list[str]:
+        """Names of the outputs, in order: see `crossing_system`."""
+        vehicle = self.linear
+        return [
+            "moment",
+            "deflection",
+            *signals("tire_force", vehicle.n_tires),
+            *vehicle_states(vehicle),
+            *(f"{name}_ddot" for name in vehicle.coordinates),
+            *signals("suspension_travel", len(vehicle.damper_map)),
+            *signals("suspension_velocity", len(vehicle.damper_map)),
+        ]
+
+    @cached_property
+    def input_labels(self) -> list[str]:
+        """Names of the inputs: road under each tire, force of each controlled damper."""
+        return [
+            *signals("road", self.linear.n_tires),
+            *signals("damper_force", len(self.linear.damper_map)),
+        ]
+
+    @cached_property
+    def state_labels(self) -> list[str]:
+        """Names of the states, in order."""
+        return vehicle_states(self.linear) + beam_states(self.beam)
+
+    def outputs(
+        self, t: FloatArray, states: FloatArray, forces: FloatArray, damper: FloatArray
+    ) -> FloatArray:
+        """Outputs at many times from states, tire forces and damper forces.
+
+        Parameters
+        ----------
+        t : ndarray, shape (m,)
+            Times [s].
+        states, forces, damper : ndarray, shapes (n, m), (n_tires, m), (n_dampers, m)
+            States (displacements [m] and rates [m/s]), tire forces [N] and damper forces [N].
+
+        Returns
+        -------
+        ndarray, shape (n_outputs, m)
+            In the order of `output_labels`. See `crossing_system` for their units.
+        """
+        vehicle, n = self.linear, self.n_vehicle
+        rates = (
+            vehicle.state_matrix @ states[:n]
+            + vehicle.tire_input @ (forces - vehicle.static_loads[:, np.newaxis])
+            + vehicle.damper_input @ damper
+        )
+        return np.vstack(
+            [
+                self.values(self.speed * t, states.T, forces.T, "moment"),
+                self.deflection_row @ states[n:],
+                forces,
+                states[:n],
+                vehicle.velocities @ rates,
+                vehicle.damper_map @ vehicle.displacements @ states[:n],
+                vehicle.damper_map @ vehicle.velocities @ states[:n],
+            ]
+        )
+
+    def system(self, name: str = "crossing") -> control.NonlinearIOSystem:
+        """Return the crossing as a control system: see `crossing_system`.
+
+        Parameters
+        ----------
+        name : str, optional
+            Name of the system.
+
+        Returns
+        -------
+        control.NonlinearIOSystem
+        """
+        n_tires = self.linear.n_tires
+
+        def update(t: float, x: FloatArray, u: FloatArray, _: dict[str, Any]) -> FloatArray:
+            return self.dynamics(t, x, u[:n_tires], u[n_tires:])
+
+        def output(t: float, x: FloatArray, u: FloatArray, _: dict[str, Any]) -> FloatArray:
+            force = self.contact_forces(x, u[:n_tires], self.tire_shapes(self.speed * t))
+            columns = x[:, np.newaxis], force[:, np.newaxis], u[n_tires:, np.newaxis]
+            return self.outputs(np.array([t]), *columns)[:, 0]
+
+        return control.nlsys(
+            update,
+            output,
+            inputs=self.input_labels,
+            outputs=self.output_labels,
+            states=self.state_labels,
+            name=name,
+        )
+
+
+def crossing_system(
+    beam: Beam,
+    vehicle: Vehicle | QuarterCar,
+    speed: float,
+    *,
+    section: float = 0.5,
+    recovery: str = "exact",
+    name: str = "crossing",
+) -> control.NonlinearIOSystem:
+    """Return the crossing of a vehicle as a control system.
+
+    Time is zero when the reference tire is at the start of the bridge, x = c t. The system
+    works in `control.interconnect`, in `control.linearize(sys, 0, t=...)` (frozen-time poles
+    and Bode plots) and in `control.input_output_response`. Give the last one tolerances,
+    ``solve_ivp_kwargs=dict(rtol=1e-9, atol=1e-12)``: at its defaults the DAF at 110 km/h
+    comes out as 1.136 instead of 1.130, which is more than a unit ramp changes.
+
+    Parameters
+    ----------
+    beam, vehicle, speed, section, recovery
+        See `Crossing`.
+    name : str, optional
+        Name of the system.
+
+    Returns
+    -------
+    control.NonlinearIOSystem
+        Inputs: 'road' [m], the road r under the tire, positive *downward* (minus the
+        elevation), and 'damper_force' [N], which acts as -F on the body and +F on the axle
+        on top of the passive damping. Outputs: 'moment' (over the peak static moment),
+        'deflection' [m] at the section, 'tire_force' [N], the vehicle's states
+        ('y_s', 'y_s_dot', 'y_t', 'y_t_dot' for a quarter-car), accelerations ('y_s_ddot',
+        'y_t_ddot'), 'suspension_travel' [m] and 'suspension_velocity' [m/s] of each
+        controlled damper. Several tires or dampers are numbered: 'road_1', 'road_2', ...
+        The static loads are inside: the zero state is the vehicle in equilibrium before an
+        unloaded bridge.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter has the wrong kind or range; the message names it.
+
+    Warns
+    -----
+    PlausibilityWarning
+        As `Crossing`.
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eqs. (1)-(8).
+
+    Examples
+    --------
+    >>> import control as ct
+    >>> import bridgectl as bc
+    >>> sys = bc.crossing_system(bc.li2006.beam(), bc.li2006.car(), speed=110 / 3.6)
+    >>> sys.input_labels
+    ['road', 'damper_force']
+    >>> mid_span = ct.linearize(sys, 0, t=12.5 / (110 / 3.6))
+    >>> sorted({round(float(abs(pole)) / 6.2832, 2) for pole in mid_span.poles()})
+    [0.46, 4.08, 6.91, 16.37, 36.83]
+    """
+    crossing = Crossing(beam, vehicle, speed, section, recovery)
+    judge_crossing(crossing, crossing.speed)
+    return crossing.system(name)

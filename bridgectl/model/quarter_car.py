@@ -1,0 +1,157 @@
+"""The quarter-car, and several vehicles in a row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import control
+import numpy as np
+from scipy.linalg import block_diag
+
+from bridgectl import _checks
+from bridgectl._plausible import judge_quarter_car
+from bridgectl.model.vehicle import Vehicle
+
+
+@dataclass(frozen=True)
+class QuarterCar:
+    """A quarter-car: sprung mass, suspension, unsprung mass and tire (Eqs. (1a), (1b), (2)).
+
+    Parameters
+    ----------
+    sprung_mass, unsprung_mass : float
+        m_s and m_t [kg].
+    suspension_stiffness, tire_stiffness : float
+        K_s and K_t [N/m].
+    damping : float
+        Passive damping coefficient C of the suspension [N s/m].
+    tire_damping : float, optional
+        Only 0, see `Vehicle`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter is not a number or out of range; the message names it.
+    NotImplementedError
+        If `tire_damping` is not 0.
+
+    Warns
+    -----
+    PlausibilityWarning
+        If no road vehicle is so: masses in tonnes, stiffnesses in kN/m, or arguments that changed
+        places.
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eqs. (1) and (2).
+
+    Examples
+    --------
+    >>> import dataclasses
+    >>> import bridgectl as bc
+    >>> car = bc.QuarterCar(9000.0, 1000.0, 80e3, 1.8e6, damping=7e3)
+    >>> dataclasses.replace(car, damping=10e3).damping
+    10000.0
+    """
+
+    sprung_mass: float
+    unsprung_mass: float
+    suspension_stiffness: float
+    tire_stiffness: float
+    damping: float
+    tire_damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        units = {"mass": "kg", "stiffness": "N/m"}
+        for name in ("sprung_mass", "unsprung_mass", "suspension_stiffness", "tire_stiffness"):
+            unit = units[name.rpartition("_")[2]]
+            value = _checks.positive(name, getattr(self, name), unit=unit)
+            object.__setattr__(self, name, value)
+        damping = _checks.not_negative("damping", self.damping, unit="N s/m")
+        object.__setattr__(self, "damping", damping)
+        _ = self.linear  # so that its checks speak here, not at the first crossing
+        judge_quarter_car(self)
+
+    def __repr__(self) -> str:
+        return (
+            f"QuarterCar(sprung_mass={self.sprung_mass:g} kg, "
+            f"unsprung_mass={self.unsprung_mass:g} kg, "
+            f"suspension_stiffness={self.suspension_stiffness:g} N/m, "
+            f"tire_stiffness={self.tire_stiffness:g} N/m, damping={self.damping:g} N s/m)"
+        )
+
+    @cached_property
+    def linear(self) -> Vehicle:
+        """The quarter-car as a `Vehicle`, coordinates 'y_s' and 'y_t' as in the paper."""
+        leg = np.array([[1.0, -1.0]])
+        return Vehicle(
+            mass_matrix=np.diag([self.sprung_mass, self.unsprung_mass]),
+            damping_matrix=self.damping * leg.T @ leg,
+            stiffness_matrix=self.suspension_stiffness * leg.T @ leg,
+            tire_stiffnesses=[self.tire_stiffness],
+            damper_map=leg,
+            coordinates=("y_s", "y_t"),
+            tire_damping=self.tire_damping,
+        )
+
+    def system(self) -> control.StateSpace:
+        """Return the quarter-car on a rigid road as a linear system: see `Vehicle.system`."""
+        return self.linear.system()
+
+
+def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -> Vehicle:
+    """Return several vehicles on one lane as one `Vehicle`.
+
+    Parameters
+    ----------
+    vehicles : sequence of Vehicle or QuarterCar
+        The vehicles; nothing but the bridge couples them.
+    offsets : sequence of float
+        Distance of each vehicle's reference tire behind that of the first [m].
+
+    Returns
+    -------
+    Vehicle
+        Its coordinates are those of the vehicles with suffixes '_1', '_2', ...
+
+    Raises
+    ------
+    TypeError, ValueError
+        If there is no vehicle, or not one offset for each, of 0 m or more.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> bc.convoy([bc.li2006.car(), bc.li2006.car()], [0, 5])
+    Vehicle(4 coordinates, mass=20000 kg, tires at [0, 5] m behind the first, 2 dampers)
+    """
+    if not isinstance(vehicles, Sequence) or not all(
+        isinstance(vehicle, Vehicle | QuarterCar) for vehicle in vehicles
+    ):
+        raise TypeError("vehicles must be a list of Vehicle or QuarterCar: type [front, rear]")
+    members = [vehicle.linear for vehicle in vehicles]
+    if not members:
+        raise ValueError("vehicles must hold at least one vehicle")
+    behind = _checks.array("offsets", offsets, (len(members),), unit="m")
+    if behind.min() < 0:
+        raise ValueError(
+            f"offsets must be distances behind the first vehicle, 0 m or more, got {offsets}: "
+            f"type {(behind - behind.min()).tolist()}, or the vehicles in the order they drive in"
+        )
+    return Vehicle(
+        mass_matrix=block_diag(*(car.mass_matrix for car in members)),
+        damping_matrix=block_diag(*(car.damping_matrix for car in members)),
+        stiffness_matrix=block_diag(*(car.stiffness_matrix for car in members)),
+        tire_stiffnesses=np.concatenate([car.tire_stiffnesses for car in members]),
+        tire_offsets=np.concatenate(
+            [car.tire_offsets + offset for car, offset in zip(members, behind, strict=True)]
+        ),
+        tire_map=block_diag(*(car.tire_map for car in members)),
+        damper_map=block_diag(*(car.damper_map for car in members)),
+        heave=np.concatenate([car.heave for car in members]),
+        coordinates=[
+            f"{name}_{i}" for i, car in enumerate(members, start=1) for name in car.coordinates
+        ],
+    )

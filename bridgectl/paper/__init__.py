@@ -1,0 +1,1 @@
+"""Li, OBrien and Gonzalez (2006): parameters, printed numbers, validation."""

@@ -1,0 +1,205 @@
+"""The printed results of Li, OBrien and Gonzalez (2006), each beside the computed one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from bridgectl._checks import FloatArray
+from bridgectl.paper import li2006
+from bridgectl.simulate import daf
+from bridgectl.surface.compute import ramp_surface
+from bridgectl.surface.surface import RampSurface
+
+RECOVERY = "li2006"
+"""How the paper recovers the moment: see `bridgectl.Crossing`."""
+
+SPEEDS_KMH = np.arange(50.0, 151.0)
+"""Speeds of the paper's figures [km/h]."""
+
+EXAMPLE_KMH, CRITICAL_KMH = 110, 105
+"""Speeds of the example (Section 3.3) and of the remark on Fig. 6 (Section 3.1) [km/h]."""
+
+SEGMENT = 0.1
+"""Length of a ramp [m]. The printed values leave open on which side of its place it lies."""
+
+
+class Row(NamedTuple):
+    """One result beside the printed one, found by `paper_results`."""
+
+    what: str
+    """What it is, and where."""
+    unit: str
+    """'km/h', 'x/l' (a place on the bridge) or '' (an amplification)."""
+    printed: float | None
+    """As printed, in the unit `unit`; None if it is not."""
+    computed: float
+    """As computed, in the unit `unit`."""
+    note: str = ""
+    """What else there is to say of it."""
+
+    def __repr__(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        printed = "nothing" if self.printed is None else f"{self.printed:g}{unit}"
+        note = f" ({self.note})" if self.note else ""
+        return f"Row({self.what}: printed {printed}, computed {self.computed:.5g}{unit}{note})"
+
+    @property
+    def difference(self) -> float | None:
+        """Computed minus printed, in the unit `unit`; None if nothing is printed."""
+        return None if self.printed is None else self.computed - self.printed
+
+
+@dataclass(frozen=True, eq=False)
+class PaperResults:
+    """The results of the paper, computed; made by `paper_results`.
+
+    Attributes
+    ----------
+    rows : tuple of Row
+        Every printed number beside the computed one.
+    unit, tall : RampSurface
+        Surfaces of the 1 mm ramp (Fig. 5) and of the 10 mm ramp (Fig. 6).
+    """
+
+    rows: tuple[Row, ...]
+    unit: RampSurface
+    tall: RampSurface
+
+    def __repr__(self) -> str:
+        return (
+            f"PaperResults({len(self.rows)} results, ramps of {self.unit.ramp_height * 1e3:g} mm "
+            f"and {self.tall.ramp_height * 1e3:g} mm, {SPEEDS_KMH[0]:g} to {SPEEDS_KMH[-1]:g} km/h)"
+        )
+
+    @property
+    def smooth_daf(self) -> list[tuple[float, float]]:
+        """Speed [km/h] and DAF of a smooth road every 10 km/h, read off Fig. 2."""
+        pairs = zip(SPEEDS_KMH, self.unit.daf_smooth, strict=True)
+        return [(float(kmh), float(value)) for kmh, value in list(pairs)[::10]]
+
+
+def paper_results() -> PaperResults:
+    """Compute what the paper prints: Figs. 2, 5, 6 and 7 and the numbers in the text.
+
+    The bridge and truck of Table 1, three modes, no damping, the paper's own moment recovery,
+    and a vehicle in equilibrium at the start of the bridge.
+
+    Returns
+    -------
+    PaperResults
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Section 3.
+
+    Examples
+    --------
+    >>> from bridgectl.paper.printed import paper_results
+    >>> first = paper_results().rows[0]
+    >>> print(f"{first.what}: printed {first.printed}, computed {first.computed:.4f}")
+    smooth road, 110 km/h: DAF: printed 1.1302, computed 1.1302
+    """
+    unit, tall = _surface(1e-3), _surface(1e-2)
+    rows = _smooth_rows(unit) + _unit_ramp_rows(unit) + _fig7_rows(unit) + _tall_ramp_rows(tall)
+    return PaperResults(tuple(rows), unit, tall)
+
+
+def _surface(ramp_height: float) -> RampSurface:
+    return ramp_surface(
+        li2006.beam(),
+        li2006.car(),
+        SPEEDS_KMH / 3.6,
+        ramp_length=SEGMENT,
+        ramp_height=ramp_height,
+        recovery=RECOVERY,
+    )
+
+
+def _at(kmh: float) -> int:
+    return int(np.searchsorted(SPEEDS_KMH, kmh))
+
+
+def _smooth_rows(surface: RampSurface) -> list[Row]:
+    smooth = surface.daf_smooth
+    example = Row(
+        f"smooth road, {EXAMPLE_KMH} km/h: DAF",
+        "",
+        li2006.PRINTED["daf_smooth_110"],
+        float(smooth[_at(EXAMPLE_KMH)]),
+    )
+    inner = smooth[1:-1]
+    peaks = 1 + np.flatnonzero((inner > smooth[:-2]) & (inner > smooth[2:]))
+    twins = np.sort(peaks[np.argsort(smooth[peaks])[-2:]])
+    return [example] + [
+        Row(
+            f"critical speed, {which} of two",
+            "km/h",
+            li2006.PRINTED["critical_speed_kmh"],
+            float(SPEEDS_KMH[peak]),
+            f"DAF {smooth[peak]:.4f}",
+        )
+        for which, peak in zip(("first", "second"), twins, strict=True)
+    ]
+
+
+def _unit_ramp_rows(surface: RampSurface) -> list[Row]:
+    speed, span = _at(EXAMPLE_KMH), surface.beam.length
+    effect = surface.daf_difference[speed]
+    rows = []
+    for place in li2006.FIG7_RAMPS:
+        printed = li2006.PRINTED[f"unit_ramp_{place:g}l_{EXAMPLE_KMH}"]
+        start = round(place * span / SEGMENT)
+        for ramp in (start, start - 1):
+            rows.append(
+                Row(
+                    f"1 mm ramp at {place:g} l, {EXAMPLE_KMH} km/h",
+                    "",
+                    printed,
+                    float(effect[ramp]),
+                    f"from {ramp * SEGMENT:.1f} m to {(ramp + 1) * SEGMENT:.1f} m",
+                )
+            )
+    return rows
+
+
+def _fig7_rows(surface: RampSurface) -> list[Row]:
+    speed, rows = _at(EXAMPLE_KMH), []
+    notes = {0.0: "ramps start at their places", SEGMENT: "ramps end at their places"}
+    for earlier, note in notes.items():
+        road = li2006.fig7_road(earlier)
+        simulated = daf(
+            surface.beam, surface.vehicle, surface.speeds[speed], road, recovery=RECOVERY
+        )
+        for what, computed in (("DAE", surface.dae(road)[speed]), ("DAF", simulated[0])):
+            printed = li2006.PRINTED[f"fig7_{what.lower()}"]
+            rows.append(Row(f"Fig. 7: {what}", "", printed, float(computed), note))
+    return sorted(rows, key=lambda row: row.what)
+
+
+def _tall_ramp_rows(surface: RampSurface) -> list[Row]:
+    speed, places = _at(CRITICAL_KMH), surface.positions / surface.beam.length
+    lowest = int(surface.daf_unit[speed].argmin())
+    effect = np.abs(surface.daf_difference)[:, places > 0.5 - 1e-9]
+    return [
+        Row(
+            f"10 mm ramp, {CRITICAL_KMH} km/h: low at",
+            "x/l",
+            li2006.PRINTED["tall_ramp_lowest"],
+            float(places[lowest]),
+            f"DAF {surface.daf_unit[speed, lowest]:.4f}",
+        ),
+        _right_half(f"{CRITICAL_KMH} km/h", effect[speed : speed + 1], "largest effect"),
+        _right_half(
+            "any speed",
+            effect,
+            f"at {SPEEDS_KMH[effect.max(axis=1).argmax()]:.0f} km/h, a later peak",
+        ),
+    ]
+
+
+def _right_half(where: str, effect: FloatArray, note: str) -> Row:
+    printed = li2006.PRINTED["tall_ramp_right_half"]
+    return Row(f"10 mm, right half, {where}", "", printed, float(effect.max()), note)

@@ -1,0 +1,263 @@
+"""How sure a difference between strategies is, and whether an estimate orders them as simulation.
+
+What is sampled are roads: differences are paired over them, and intervals come from drawing them
+again.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
+
+CONFIDENCE = 0.95
+
+N_DRAWS, SEED = 500, 2006
+"""How often the roads are drawn again, and the seed of that: the same study, the same interval."""
+
+
+class Paired(NamedTuple):
+    """A mean difference between two strategies over the same roads, made by `paired`.
+
+    Attributes
+    ----------
+    mean : float
+        Mean over the roads, in the unit of the measure.
+    low, high : float
+        Ends of its 95 % confidence interval (Student's t); NaN for a single road. In the unit of
+        the measure.
+    """
+
+    mean: float
+    low: float
+    high: float
+
+    def __repr__(self) -> str:
+        return (
+            f"Paired({self.mean:.4g}, {CONFIDENCE:.0%} between {self.low:.4g} and {self.high:.4g})"
+        )
+
+    @property
+    def clear(self) -> bool:
+        """Whether the interval leaves out 0."""
+        return self.low > 0 or self.high < 0
+
+
+def paired(differences: FloatArray) -> Paired:
+    """Return the mean of some differences with its confidence interval (Student's t).
+
+    Parameters
+    ----------
+    differences : ndarray, shape (n,)
+        One for each road, in the unit of the measure.
+
+    Returns
+    -------
+    Paired
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bridgectl.scoring.agreement import paired
+    >>> found = paired(np.array([-0.04, -0.06, -0.05]))
+    >>> f"{found.mean:.3f}, {found.low:.3f} to {found.high:.3f}", found.clear
+    ('-0.050, -0.075 to -0.025', True)
+    """
+    from scipy.stats import t  # slow to load
+
+    n, mean = len(differences), float(differences.mean())
+    if n < 2:
+        return Paired(mean, math.nan, math.nan)
+    spread = float(differences.std(ddof=1)) / math.sqrt(n)
+    reach = float(t.ppf((1 + CONFIDENCE) / 2, n - 1)) * spread
+    return Paired(mean, mean - reach, mean + reach)
+
+
+def rank_correlation(first: FloatArray, second: FloatArray) -> float:
+    """Return Spearman's rank correlation; NaN where all values of one are the same.
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (n,)
+        As `paired`: each in a unit of its own, since ranks alone count.
+
+    Returns
+    -------
+    float
+        -1 to 1, dimensionless.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bridgectl.scoring.agreement import rank_correlation
+    >>> round(rank_correlation(np.array([1.0, 2.0, 3.0]), np.array([1.0, 4.0, 9.0])), 6)
+    1.0
+    """
+    from scipy.stats import spearmanr
+
+    if np.ptp(first) == 0 or np.ptp(second) == 0:
+        return math.nan
+    return float(spearmanr(first, second).statistic)
+
+
+class Agreement(NamedTuple):
+    """Whether an estimate orders strategies as simulation does, made by `agreement`.
+
+    Attributes
+    ----------
+    tau : float
+        Kendall's rank correlation: 1 for the same order, -1 for the opposite one, 0 for none; NaN
+        where all values are the same.
+    low, high : float
+        Ends of its 95 % interval, of roads drawn again; NaN for a single road.
+    """
+
+    tau: float
+    low: float
+    high: float
+
+    def __repr__(self) -> str:
+        ends = f"{CONFIDENCE:.0%} from {self.low:.2f} to {self.high:.2f}"
+        return f"Agreement(tau {self.tau:.2f}, {ends})"
+
+
+class Pairs(NamedTuple):
+    """Pairs of strategies that an estimate has in the right order, found by `pairs_in_order`."""
+
+    right: int
+    """How many are in the right order."""
+    number: int
+    """How many there are."""
+
+    @property
+    def share(self) -> float:
+        """Share of the right ones; NaN of none."""
+        return self.right / self.number if self.number else math.nan
+
+
+def over_roads(values: FloatArray, statistic: str = "mean") -> FloatArray:
+    """Return the mean over roads and speeds, or the spread over roads, of each strategy.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n_strategies, n_roads, n_speeds)
+        In the unit of the measure.
+    statistic : {"mean", "spread"}, optional
+        The spread is the standard deviation over the roads, averaged over the speeds.
+
+    Returns
+    -------
+    ndarray, shape (n_strategies,)
+        In the unit of the measure; the spread over a single road is NaN.
+
+    Raises
+    ------
+    ValueError
+        If the statistic is unknown.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bridgectl.scoring.agreement import over_roads
+    >>> over_roads(np.array([[[1.0], [1.2]]]), "spread").round(3)
+    array([0.141])
+    """
+    check.choice("statistic", statistic, ("mean", "spread"))
+    if statistic == "mean":
+        return np.asarray(values.mean(axis=(1, 2)))
+    if values.shape[1] < 2:
+        return np.full(len(values), math.nan)
+    return np.asarray(values.std(axis=1, ddof=1).mean(axis=1))
+
+
+def agreement(
+    estimate: FloatArray,
+    simulated: FloatArray,
+    statistic: str = "mean",
+) -> Agreement:
+    """Compare the order of strategies by an estimate with that by simulation.
+
+    Parameters
+    ----------
+    estimate : ndarray, shape (n_strategies,) or (n_strategies, n_roads, n_speeds)
+        Of each strategy, or of each road, over which the statistic is then taken [-].
+    simulated : ndarray, shape (n_strategies, n_roads, n_speeds)
+        Simulated values [-].
+    statistic : {"mean", "spread"}, optional
+        What is compared: see `over_roads`.
+
+    Returns
+    -------
+    Agreement
+
+    Raises
+    ------
+    ValueError
+        If the statistic is unknown.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bridgectl.scoring.agreement import agreement
+    >>> simulated = np.array([[[1.0], [1.1]], [[1.2], [1.3]], [[1.1], [1.2]]])
+    >>> agreement(np.array([0.9, 1.0, 0.95]), simulated)
+    Agreement(tau 1.00, 95% from 1.00 to 1.00)
+    """
+    from scipy.stats import kendalltau
+
+    def tau(roads: FloatArray | slice) -> float:
+        first = over_roads(estimate[:, roads], statistic) if estimate.ndim == 3 else estimate
+        second = over_roads(simulated[:, roads], statistic)
+        if np.ptp(first) == 0 or np.ptp(second) == 0:
+            return math.nan
+        return float(kendalltau(first, second).statistic)
+
+    whole, n = tau(slice(None)), simulated.shape[1]
+    if n < 2 or math.isnan(whole):
+        return Agreement(whole, math.nan, math.nan)
+    draws = np.random.default_rng(SEED).integers(n, size=(N_DRAWS, n))
+    ends = np.nanpercentile(
+        [tau(draw) for draw in draws], [50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)]
+    )
+    return Agreement(whole, *map(float, ends))
+
+
+def pairs_in_order(
+    estimate: FloatArray, simulated: FloatArray, least: float | None = None
+) -> Pairs:
+    """Count the pairs of strategies that an estimate has in the order of the simulated means.
+
+    Parameters
+    ----------
+    estimate : ndarray, shape (n_strategies,)
+        Of each strategy [-].
+    simulated : ndarray, shape (n_strategies, n_roads)
+        Simulated values of each road, the same roads for all [-].
+    least : float, optional
+        Pairs count whose means differ by more than this. Default: those that differ clearly, with
+        95 % confidence, paired by road.
+
+    Returns
+    -------
+    Pairs
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bridgectl.scoring.agreement import pairs_in_order
+    >>> simulated = np.array([[1.00, 1.01, 1.02], [1.10, 1.12, 1.11], [1.11, 1.12, 1.12]])
+    >>> pairs_in_order(np.array([0.9, 1.0, 0.8]), simulated, least=0.05)
+    Pairs(right=1, number=2)
+    """
+    right = number = 0
+    for i, j in combinations(range(len(simulated)), 2):
+        difference = paired(simulated[i] - simulated[j])
+        if difference.clear if least is None else abs(difference.mean) > least:
+            number += 1
+            right += bool(difference.mean * (estimate[i] - estimate[j]) > 0)
+    return Pairs(right, number)

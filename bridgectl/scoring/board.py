@@ -1,0 +1,393 @@
+"""The scoreboard: what `bridgectl.score` finds, and its means over roads."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
+from bridgectl._version import __version__
+from bridgectl.model.beam import Beam
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.scoring.agreement import (
+    Agreement,
+    Paired,
+    Pairs,
+    agreement,
+    over_roads,
+    paired,
+    pairs_in_order,
+    rank_correlation,
+)
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+    from bridgectl.surface.surface import RampSurface
+
+MEASURES = {
+    "daf": "dynamic amplification factor [-]",
+    "dae": "dynamic amplification estimate, Eq. (15) [-]",
+    "dae_2": "dynamic amplification estimate of second order [-]",
+    "dynamic_load_coefficient": "dynamic load coefficient [-]",
+    "tire_force_95": "95th percentile of the tire force over the static load [-]",
+    "road_stress": "mean fourth power of the tire force over the static load [-]",
+    "least_force": "least tire force over the static load [-]",
+    "body_acceleration": "body acceleration, rms [m/s^2]",
+    "weighted_acceleration": "body acceleration weighted by W_k (ISO 2631-1), rms [m/s^2]",
+    "suspension_travel": "largest suspension travel [m]",
+    "switching_rate": "switches of the damper [1/s]",
+}
+"""What is known of each strategy, road and speed."""
+
+
+EQ_15, CLASS_DAE = "mean of Eq. (15)", "class DAE"
+"""What orders strategies."""
+
+
+class Row(NamedTuple):
+    """One strategy, made by `score`: means over roads and speeds unless said otherwise."""
+
+    strategy: str
+    """Its name."""
+    daf: float
+    """DAF [-]."""
+    daf_difference: Paired
+    """Of the DAF, to the first strategy [-]."""
+    worst_speed: float
+    """Where the mean DAF over roads is largest [m/s]."""
+    worst_daf: float
+    """That DAF."""
+    dae: float
+    """DAE [-]."""
+    dae_error: float
+    """Root mean square of DAE - DAF over roads and speeds."""
+    dae_rank: float
+    """Spearman's rank correlation of DAE and DAF over roads and speeds."""
+    dae_2: float
+    """DAE of second order [-]; NaN if a road's class has no surface."""
+    dae_2_error: float
+    """Root mean square of it - DAF over roads and speeds."""
+    dynamic_load_coefficient: float
+    """See `bridgectl.measures.dynamic_load_coefficient` [-]."""
+    fourth_power_95: float
+    """Aggregate fourth power of all speeds that 95 % of the road stays below [-]."""
+    body_acceleration: float
+    """Of the body, rms [m/s^2]."""
+    weighted_acceleration: float
+    """The same weighted by W_k (ISO 2631-1), rms [m/s^2]."""
+    suspension_travel: float
+    """Largest of all roads and speeds [m]."""
+    least_force: float
+    """Least tire force of all roads and speeds over the static load [-]."""
+    switching_rate: float
+    """Switches of the damper [1/s]."""
+
+    def __repr__(self) -> str:
+        return (
+            f"Row({self.strategy!r}, DAF {self.daf:.4f}, at {self.worst_speed * 3.6:g} km/h "
+            f"{self.worst_daf:.4f}, DAE {self.dae:.4f}, load coefficient "
+            f"{self.dynamic_load_coefficient:.4f}, body acceleration {self.body_acceleration:.3g} "
+            f"m/s^2, travel up to {self.suspension_travel * 1e3:.3g} mm)"
+        )
+
+
+class ClassRow(NamedTuple):
+    """One strategy over a road class, of a board made by `score`: means over the speeds."""
+
+    strategy: str
+    """Its name."""
+    dae: float
+    """Mean DAE of second order over the class, in closed form [-]."""
+    dae_spread: float
+    """Its standard deviation over the class, in closed form [-]."""
+    daf: float
+    """Mean simulated DAF of the roads of the class [-]."""
+    daf_spread: float
+    """Standard deviation of the simulated DAF over those roads [-]; NaN for a single road."""
+
+
+class Ranking(NamedTuple):
+    """How an estimate orders the strategies of a board made by `score`."""
+
+    estimate: str
+    """What it is."""
+    roads: str
+    """The roads of the simulation."""
+    agreement: Agreement
+    """Kendall's tau with the simulated values."""
+    pairs: Pairs | None
+    """Of the pairs that differ clearly in mean DAF, those in the right order; None of a spread."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scoreboard:
+    """Scores of damper strategies over roads and speeds; made by `bridgectl.score`.
+
+    Attributes
+    ----------
+    strategies : tuple of str
+        Names, the first being what the others are compared with.
+    dampings : tuple of float
+        Damping of constant dampers [N s/m], NaN for others.
+    roads : tuple of str
+        Names of the roads.
+    speeds : ndarray, shape (n_speeds,)
+        Speeds c [m/s].
+    values : mapping of str to ndarray, shape (n_strategies, n_roads, n_speeds)
+        Every measure: see `bridgectl.scoring.board.MEASURES`, which has the units.
+    daf_smooth : ndarray, shape (n_strategies, n_speeds)
+        DAF of a smooth road.
+    fourth_power_95 : ndarray, shape (n_strategies, n_roads)
+        Fourth power of the tire force over the static load, averaged over the speeds at each place
+        of 0.25 m: what 95 % of the places stay below.
+    beam, vehicle : Beam and QuarterCar
+        Bridge and vehicle.
+    approach : float
+        Road before the bridge that is driven [m].
+    road_classes : tuple of str
+        Of each road, the ISO 8608 class whose ramps have the nearest standard deviation.
+    surfaces : mapping of str to tuple of RampSurface
+        By class, the surface of every strategy with ramps both ways of the class's height. None
+        of a class whose ramp is higher than long.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.dampers import passive
+    >>> board = bc.score(
+    ...     [passive(7e3), passive(30e3)], bc.li2006.beam(), bc.li2006.car(),
+    ...     [bc.iso8608_profile("A", 25, seed=i) for i in range(2)], 25.0, approach=0, workers=1)
+    >>> board
+    Scoreboard(2 strategies, 2 roads, 1 speeds from 90 to 90 km/h)
+    >>> [row.strategy for row in board.rows()]
+    ['passive 7 kN s/m', 'passive 30 kN s/m']
+    """
+
+    strategies: tuple[str, ...]
+    dampings: tuple[float, ...]
+    roads: tuple[str, ...]
+    speeds: FloatArray
+    values: Mapping[str, FloatArray]
+    daf_smooth: FloatArray
+    fourth_power_95: FloatArray
+    beam: Beam = field(repr=False)
+    vehicle: QuarterCar = field(repr=False)
+    approach: float
+    road_classes: tuple[str, ...] = ()
+    surfaces: Mapping[str, tuple[RampSurface, ...]] = field(default_factory=dict, repr=False)
+
+    def __repr__(self) -> str:
+        kmh = self.speeds * 3.6
+        return (
+            f"Scoreboard({len(self.strategies)} strategies, {len(self.roads)} roads, "
+            f"{kmh.size} speeds from {kmh.min():g} to {kmh.max():g} km/h)"
+        )
+
+    def __str__(self) -> str:
+        from bridgectl.scoring.text import score_text  # late, for it lies above this module
+
+        return score_text(self)
+
+    def difference(
+        self, strategy: str, measure: str = "daf", baseline: str | None = None
+    ) -> Paired:
+        """Return how much a strategy changes a measure, over the same roads.
+
+        Parameters
+        ----------
+        strategy : str
+            The strategy.
+        measure : str, optional
+            One of `bridgectl.scoring.board.MEASURES`, averaged over the speeds.
+        baseline : str, optional
+            What it is compared with. Default: the first strategy.
+
+        Returns
+        -------
+        Paired
+            In the unit of the measure.
+
+        Raises
+        ------
+        ValueError
+            If a name is unknown.
+        """
+        check.choice("measure", measure, tuple(MEASURES))
+        per_road = self.values[measure].mean(axis=2)
+        other = self.strategies[0] if baseline is None else baseline
+        return paired(per_road[self._index(strategy)] - per_road[self._index(other)])
+
+    def rows(self) -> list[Row]:
+        """Return a summary of each strategy, the lowest mean DAF first."""
+        rows = [self._row(i) for i in range(len(self.strategies))]
+        return sorted(rows, key=lambda row: row.daf)
+
+    def class_rows(self, road_class: str) -> list[ClassRow]:
+        """Return what a road class does with each strategy, in the order of `rows`.
+
+        Parameters
+        ----------
+        road_class : str
+            One of the classes in `surfaces`.
+
+        Returns
+        -------
+        list of ClassRow
+
+        Raises
+        ------
+        ValueError
+            If there is no surface of the class.
+        """
+        check.choice("road_class", road_class, tuple(self.surfaces))
+        simulated = self.values["daf"][:, self._roads_of(road_class)]
+        means, spreads = over_roads(simulated), over_roads(simulated, "spread")
+        found = {}
+        for i, surface in enumerate(self.surfaces[road_class]):
+            dae = surface.class_dae(road_class)
+            found[self.strategies[i]] = ClassRow(
+                self.strategies[i], float(dae.mean.mean()), float(dae.sd.mean()),
+                float(means[i]), float(spreads[i]),
+            )  # fmt: skip
+        return [found[row.strategy] for row in self.rows()]
+
+    def rankings(self) -> list[Ranking]:
+        """Return how DAEs order the strategies, beside the simulated DAF: of all roads, by class.
+
+        Returns
+        -------
+        list of Ranking
+            Of all roads the mean DAE of Eq. (15); of each class that, the mean of second order
+            over the class and its spread, the latter beside the spread of the simulated DAF.
+        """
+        daf, dae = self.values["daf"], self.values["dae"]
+        found = [self._ranking(EQ_15, "all", dae, daf)]
+        for name in self.surfaces:
+            of_class = self._roads_of(name)
+            own, roads = daf[:, of_class], f"class {name}"
+            rows = {row.strategy: row for row in self.class_rows(name)}
+            mean, spread = np.array([rows[each][1:3] for each in self.strategies]).T
+            found.append(self._ranking(EQ_15, roads, dae[:, of_class], own))
+            found.append(self._ranking(CLASS_DAE, roads, mean, own))
+            if of_class.sum() > 1:
+                tau = agreement(spread, own, "spread")
+                found.append(Ranking("its spread, with that of the DAF", roads, tau, None))
+        return found
+
+    @staticmethod
+    def _ranking(estimate: str, roads: str, values: FloatArray, daf: FloatArray) -> Ranking:
+        means = over_roads(values) if values.ndim == 3 else values
+        pairs = pairs_in_order(means, daf.mean(axis=2))
+        return Ranking(estimate, roads, agreement(values, daf), pairs)
+
+    def _roads_of(self, road_class: str) -> NDArray[np.bool_]:
+        return np.array(self.road_classes) == road_class
+
+    def _index(self, strategy: str) -> int:
+        return self.strategies.index(check.choice("strategy", strategy, self.strategies))
+
+    def _row(self, i: int) -> Row:
+        own = {name: values[i] for name, values in self.values.items()}
+        by_speed = own["daf"].mean(axis=0)
+        worst = int(by_speed.argmax())
+        return Row(
+            self.strategies[i],
+            float(own["daf"].mean()),
+            self.difference(self.strategies[i]),
+            float(self.speeds[worst]),
+            float(by_speed[worst]),
+            float(own["dae"].mean()),
+            float(np.sqrt(np.mean((own["dae"] - own["daf"]) ** 2))),
+            rank_correlation(own["dae"].ravel(), own["daf"].ravel()),
+            float(own["dae_2"].mean()),
+            float(np.sqrt(np.mean((own["dae_2"] - own["daf"]) ** 2))),
+            float(own["dynamic_load_coefficient"].mean()),
+            float(self.fourth_power_95[i].mean()),
+            float(own["body_acceleration"].mean()),
+            float(own["weighted_acceleration"].mean()),
+            float(own["suspension_travel"].max()),
+            float(own["least_force"].min()),
+            float(own["switching_rate"].mean()),
+        )
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return every measure as a table, one row for each strategy, road and speed.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        import pandas as pd
+
+        index = pd.MultiIndex.from_product(
+            [self.strategies, self.roads, self.speeds], names=["strategy", "road", "speed"]
+        )
+        return pd.DataFrame({name: v.ravel() for name, v in self.values.items()}, index)
+
+    def to_json(self) -> str:
+        """Return all of it as JSON, with units in the names."""
+        rows = [
+            {**row._asdict(), "daf_difference": row.daf_difference._asdict()} for row in self.rows()
+        ]
+        content = {
+            "bridgectl": __version__,
+            "bridge": dataclasses.asdict(self.beam),
+            "vehicle": dataclasses.asdict(self.vehicle),
+            "strategies": self.strategies,
+            "damping_N_s_per_m": self.dampings,
+            "roads": self.roads,
+            "speed_m_per_s": self.speeds.tolist(),
+            "approach_m": self.approach,
+            "measures": MEASURES,
+            "summary": rows,
+            "values": {name: values.tolist() for name, values in self.values.items()},
+            "daf_smooth": self.daf_smooth.tolist(),
+            "road_classes": self.road_classes,
+            "class_dae": {name: self._class_content(name) for name in self.surfaces},
+            "rankings": [
+                {
+                    "estimate": each.estimate,
+                    "roads": each.roads,
+                    **each.agreement._asdict(),
+                    "clear_pairs": each.pairs and each.pairs._asdict(),
+                }
+                for each in self.rankings()
+            ],
+            "fourth_power_95": self.fourth_power_95.tolist(),
+        }
+        return json.dumps(_without_nan(content), indent=1)
+
+    def _class_content(self, name: str) -> dict[str, Any]:
+        """What JSON has of a class: lists by strategy and speed."""
+        found = [surface.class_dae(name) for surface in self.surfaces[name]]
+        return {
+            "ramp_height_m": self.surfaces[name][0].ramp_height,
+            "mean": [each.mean.tolist() for each in found],
+            "standard_deviation": [each.sd.tolist() for each in found],
+        }
+
+    def plot(self) -> Figure:
+        """Return a figure of the scores: see `bridgectl.plots.score_figure`."""
+        from bridgectl.plots import score_figure  # late, for it lies above this module
+
+        return score_figure(self)
+
+
+def _without_nan(value: Any) -> Any:
+    """JSON has no NaN: null."""
+    if isinstance(value, dict):
+        return {key: _without_nan(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_nan(entry) for entry in value]
+    return None if isinstance(value, float) and math.isnan(value) else value

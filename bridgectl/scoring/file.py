@@ -1,0 +1,282 @@
+"""The file of a score in progress: one line of JSON for each part of the work that is done.
+
+The first line tells the study and the version of bridgectl. Each line begins with a sum of its own
+bytes; into those of parts goes the sum of the study, too. So what was damaged, edited, or computed
+for another study or by another version is never taken for a part of this one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from io import FileIO
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from bridgectl import _version
+from bridgectl._checks import FloatArray
+from bridgectl._files import is_regular
+from bridgectl._warn import warn
+
+if sys.platform != "win32":
+    import fcntl
+
+FORMAT = "bridgectl score"
+VERSION = 3
+"""Version of the format: files of another one are refused."""
+
+START = b'{"check": "'
+"""What each line begins with: the sum follows."""
+
+LONGEST = 2**28
+"""Bytes of a line: one of more is none of a score, and would fill the memory."""
+
+Part = dict[str, FloatArray]
+Shapes = Mapping[str, tuple[int, ...]]
+
+
+class Parts:
+    """Parts of a score, by name and key; kept in a file, if there is one.
+
+    Parameters
+    ----------
+    path : path-like or None
+        The file. What it holds of the same study is read, and new parts are added at its end.
+    header : dict
+        What tells the study from others.
+    shapes : mapping
+        Parts that are asked for, by name and key: the names and shapes of their arrays.
+
+    Raises
+    ------
+    ValueError
+        If the file is none of these, of another study or another version of bridgectl, or in use:
+        the message says what differs.
+    OSError
+        If the file cannot be read or written; it is named.
+
+    Warns
+    -----
+    UserWarning
+        If lines of the file are damaged: which. They do not count, and all others do.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str] | None,
+        header: dict[str, Any],
+        shapes: Mapping[tuple[str, str], Shapes],
+    ) -> None:
+        self.path = "" if path is None else os.fsdecode(path)
+        self.header = {
+            "format": FORMAT, "version": VERSION, "bridgectl": _version.__version__,
+            **json.loads(json.dumps(header)),
+        }  # fmt: skip
+        self.study = _line(self.header)
+        self.shapes = shapes
+        self.found: dict[tuple[str, str], Part] = {}
+        self.handle: FileIO | None = None
+
+    def __enter__(self) -> Parts:
+        if not self.path:
+            return self
+        self.handle = _locked(self.path)
+        try:
+            if damaged := self._read(self.handle):
+                warn(_damage(self.path, damaged))
+        except BaseException:
+            self.handle.close()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self.handle is not None:
+            self.handle.close()
+
+    def __contains__(self, part: tuple[str, str]) -> bool:
+        return part in self.found
+
+    def __getitem__(self, part: tuple[str, str]) -> Part:
+        return self.found[part]
+
+    def keep(self, name: str, key: str, part: Part) -> None:
+        """Keep a part, in the file at once; there only if its numbers are finite."""
+        self.found[name, key] = part
+        if self.handle is not None and _are_finite(part):
+            arrays = {measure: values.tolist() for measure, values in part.items()}
+            self._write(self.handle, _line({"part": name, "key": key, **arrays}, self.study))
+
+    def _write(self, handle: FileIO, line: bytes) -> None:
+        """Write a line to the disk, or nothing of it."""
+        end = os.fstat(handle.fileno()).st_size
+        try:
+            left = memoryview(line + b"\n")
+            while left:
+                left = left[handle.write(left) :]
+            os.fsync(handle.fileno())
+        except OSError as error:
+            with suppress(OSError):
+                handle.truncate(end)
+            raise OSError(error.errno, error.strerror, self.path) from None
+
+    def _read(self, handle: FileIO) -> list[int]:
+        """Read the file, and make its end fit for new lines; return which lines are damaged."""
+        sound, damaged, end = False, list[int](), 0
+        taken, last = False, b""
+        for number, last in enumerate(_lines(self.path), start=1):
+            taken, whole = self._take(last.strip(), number), last.endswith(b"\n")
+            sound |= taken
+            if whole and last.strip() and not taken:
+                damaged.append(number)
+            if whole or taken:  # else an interruption cut it short: it is the last
+                end += len(last)
+        if not sound and (end or not _begins_a_file(last)):
+            raise ValueError(
+                f"line 1 of {self.path} is damaged, or it is no file of a score: type the name of "
+                "one, or of a new file"
+            )
+        handle.truncate(end)
+        if not sound:
+            self._write(handle, self.study)
+        elif taken and not last.endswith(b"\n"):
+            self._write(handle, b"")
+        return damaged
+
+    def _take(self, line: bytes, number: int) -> bool:
+        """Take what a line says, if it is a sound one of this study."""
+        said = _parsed(line)
+        if _is_sound(line, self.study):
+            return self._take_part(said)
+        if said.get("format") != FORMAT:
+            return False
+        of_old = "check" not in said and said.get("version") != VERSION
+        if of_old or _is_sound(line):
+            self._require_same_study(said, number)
+            return True
+        return False
+
+    def _take_part(self, said: dict[str, Any]) -> bool:
+        """Take a part, if it is asked for; return whether it is one."""
+        place = str(said.pop("part", "")), str(said.pop("key", ""))
+        if place not in self.shapes:
+            return True
+        del said["check"]
+        try:
+            part = {measure: np.array(values) for measure, values in said.items()}
+        except ValueError:  # rows of different lengths
+            return False
+        if fits := _fits(part, self.shapes[place]):
+            self.found[place] = part
+        return fits
+
+    def _require_same_study(self, header: dict[str, Any], number: int) -> None:
+        place = self.path if number == 1 else f"line {number} of {self.path}"
+        for name, value in self.header.items():
+            found = header.get(name)
+            if found == value:
+                continue
+            if name == "bridgectl":
+                raise ValueError(
+                    f"{place} is by bridgectl {_short(found)}, not {value}, and parts of two "
+                    "versions are not mixed: type the name of a new file, or install "
+                    f"bridgectl=={_short(found)} to go on"
+                )
+            of_format = " of the format" if name == "version" else ""
+            raise ValueError(
+                f"{place} holds another study: its {name} is {_short(found)}{of_format}, "
+                f"not {_short(value)}; type the name of a new file"
+            )
+
+
+def _locked(path: str) -> FileIO:
+    """Open a file to add to its end, which no other process may do until it is closed."""
+    if os.path.exists(path) and not is_regular(path):
+        raise ValueError(
+            f"{path} is no file but a folder, pipe or device: type the name of a file of a score, "
+            "or of a new file"
+        )
+    handle = FileIO(path, "ab")
+    if sys.platform != "win32":
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            handle.close()
+            raise ValueError(
+                f"{path} is in use by another score: wait for its end, or type the name of a new "
+                "file"
+            ) from None
+        except OSError:  # a file system without locks
+            pass
+    return handle
+
+
+def _lines(path: str) -> Iterator[bytes]:
+    with open(path, "rb") as handle:
+        while line := handle.readline(LONGEST):
+            if len(line) == LONGEST:
+                raise ValueError(
+                    f"{path} is no file of a score, for none has lines of {LONGEST >> 20} MiB: "
+                    "type the name of one, or of a new file"
+                )
+            yield line
+
+
+def _line(said: dict[str, Any], study: bytes = b"") -> bytes:
+    """Return a line that says it, of a study unless it is the study's own."""
+    return _summed(json.dumps(said).encode(), study)
+
+
+def _summed(text: bytes, study: bytes) -> bytes:
+    """Put the sum of a JSON object and its study into it."""
+    digest = hashlib.sha256(study + text).hexdigest()[:32]
+    return START + digest.encode() + b'", ' + text[1:]
+
+
+def _is_sound(line: bytes, study: bytes = b"") -> bool:
+    return line == _summed(b"{" + line[len(_summed(b"{", b"")) :], study)
+
+
+def _begins_a_file(text: bytes) -> bool:
+    """Tell whether text is what an interruption may leave of a file's first line."""
+    return not _parsed(text) and text[: len(START)] == START[: len(text)]
+
+
+def _parsed(line: bytes) -> dict[str, Any]:
+    """Return the JSON object that a line is, an empty one if it is none."""
+    try:
+        said = json.loads(line)
+    except (ValueError, RecursionError):
+        return {}
+    return said if isinstance(said, dict) else {}
+
+
+def _fits(part: Part, shapes: Shapes) -> bool:
+    """Tell whether a part has all its arrays, of the right shapes and of finite numbers."""
+    found = {name: a.shape if a.dtype.kind == "f" else None for name, a in part.items()}
+    return found == shapes and _are_finite(part)
+
+
+def _are_finite(part: Part) -> bool:
+    return all(np.isfinite(values).all() for values in part.values())
+
+
+def _damage(path: str, lines: list[int]) -> str:
+    listed = ", ".join(map(str, lines[:5])) + (", ..." if len(lines) > 5 else "")
+    which = f"lines {listed} of {path} are" if len(lines) > 1 else f"line {listed} of {path} is"
+    return f"{which} damaged and not used: what no other line holds is done again"
+
+
+def _short(value: Any) -> str:
+    text = str(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,269 @@
+"""What `bridgectl score` prints, and `print(board)` shows."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import math
+from collections.abc import Sequence
+
+from rich.table import Table
+
+from bridgectl.cli.tables import make_console, make_table
+from bridgectl.scoring.agreement import CONFIDENCE, Paired
+from bridgectl.scoring.board import CLASS_DAE, ClassRow, Ranking, Row, Scoreboard
+
+NAMED_ROADS = 4
+"""Roads that the heading names."""
+
+BRIDGE_NOTE = """\
+DAF: peak bending moment over the static one; its mean, and that of the worst speed. difference: to
+{first}, over the same roads, with its {confidence:g} % confidence interval; clear
+if that leaves out 0.
+"""
+
+ROAD_NOTE = """\
+Means over roads and speeds, but for least R and travel, the worst of all. DLC: dynamic load
+coefficient; R: tire force over the static load; R^4: what 95 % of the places stay below; ride: rms
+body acceleration, plain and weighted by ISO 2631-1 W_k.
+"""
+
+DAE_NOTE = """\
+DAE: from the strategy's own unit ramps; Eq. (15): of 1 mm, down; second order: down and up, of the
+height of the road's class. rms error: of DAE - DAF over roads and speeds; rank: Spearman's
+correlation of the two.
+"""
+
+CLASS_NOTE = """\
+Class DAE: mean and standard deviation of the second-order DAE over all roads of the class, in
+closed form; DAF: the same of the simulated roads with ramps as of that class.
+"""
+
+RANKING_NOTE = """\
+tau: Kendall's, with the simulated mean DAF unless said otherwise, and its {confidence:g} % interval
+of roads drawn again. clear pairs: of the pairs of strategies whose mean DAFs differ clearly over
+the same roads, those that the estimate has in the right order.
+"""
+
+
+def score_text(board: Scoreboard) -> str:
+    """Return the tables of a scoreboard and what they say, as text of 100 columns."""
+    text = io.StringIO()
+    with contextlib.redirect_stdout(text):
+        print_score(board)
+    return text.getvalue()
+
+
+def print_score(board: Scoreboard) -> None:
+    """Print the tables of a scoreboard and what they say."""
+    console, rows, first = make_console(), board.rows(), board.strategies[0]
+    console.print(_heading(board))
+    console.print(_bridge_table(rows, first))
+    note = BRIDGE_NOTE.format(first=first, confidence=100 * CONFIDENCE)
+    console.print(note, soft_wrap=True)
+    console.print(_road_table(rows, first))
+    console.print(ROAD_NOTE, soft_wrap=True)
+    console.print(_dae_table(rows, first))
+    console.print(DAE_NOTE, soft_wrap=True)
+    rankings = board.rankings()
+    if board.surfaces:
+        for names in _by_two(list(board.surfaces)):
+            console.print(_class_table(board, names))
+        console.print(CLASS_NOTE, soft_wrap=True)
+    if len(rows) > 1:
+        console.print(_ranking_table(rankings))
+        console.print(RANKING_NOTE.format(confidence=100 * CONFIDENCE), soft_wrap=True)
+    for line in [*_daf_sentences(board, rows), *dae_sentences(board, rankings)]:
+        console.print(line)
+
+
+def dae_sentences(board: Scoreboard, rankings: Sequence[Ranking]) -> list[str]:
+    """Say what DAE can rank, and what it cannot."""
+    rows = board.rows()
+    if len(rows) == 1:
+        return []
+    of_all, *others = rankings
+    # Eq. (15) is linear in the ramps, which a mirrored road has with the other sign.
+    lines = [
+        "The mean of Eq. (15) tells roads apart, not dampers: over a road and its mirror image it "
+        f"is the DAF of the smooth road, whatever the damper (on these roads, by "
+        f"their chance, tau {_tau(of_all)})."
+    ]
+    of_class = [each for each in others if each.estimate == CLASS_DAE]
+    if not of_class:
+        return [*lines, f"There is no DAE of second order: {_why_no_class(board)}."]
+    told = "; ".join(
+        f"on {each.roads} with tau {_tau(each)}"
+        + (f", {each.pairs.right} of {each.pairs.number} clear pairs" if each.pairs else "")
+        for each in of_class
+    )
+    lines.append(f"The class DAE, of ramps down and up, orders the strategies {told}.")
+    firsts = {name: min(board.class_rows(name), key=lambda row: row.dae) for name in board.surfaces}
+    lines += [_first_sentence(rows[0].strategy, firsts), _level_sentence(rows)]
+    lines.append(
+        "It screens strategies and shows where along the bridge they gain; the judge is the "
+        "simulated DAF."
+    )
+    return lines
+
+
+def _tau(ranking: Ranking) -> str:
+    tau, low, high = ranking.agreement
+    if math.isnan(tau):
+        return "-"
+    return f"{tau:.2f}" + ("" if math.isnan(low) else f" [{low:.2f}, {high:.2f}]")
+
+
+def _why_no_class(board: Scoreboard) -> str:
+    classes = " and ".join(sorted(set(board.road_classes)))
+    return f"the roads are of class {classes}, whose unit ramp would be higher than long"
+
+
+def _first_sentence(best: str, firsts: dict[str, ClassRow]) -> str:
+    """Say which strategy comes first by class, and whether simulation has it so."""
+    other = [f"{row.strategy} on class {name}" for name, row in firsts.items()
+             if row.strategy != best]  # fmt: skip
+    if not other:
+        return f"Both the class DAE and the simulated DAF put {best} first."
+    return f"Simulation puts {best} first, the class DAE {', '.join(other)}."
+
+
+def _level_sentence(rows: Sequence[Row]) -> str:
+    """Say how far off DAEs are of single roads."""
+    known = [row for row in rows if not math.isnan(row.dae_2)]
+    if not known:
+        return "Some roads are of a class without a surface: they have no DAE of second order."
+    first, second = (
+        math.sqrt(sum(getattr(row, name) ** 2 for row in known) / len(known))
+        for name in ("dae_error", "dae_2_error")
+    )
+    worst = max(known, key=lambda row: abs(row.dae_2 - row.daf))
+    return (
+        f"On single roads its rms error is {second:.3f} ({first:.3f} of Eq. (15)); its level is "
+        f"furthest off for {worst.strategy}, mean {worst.dae_2:.3f} for a DAF of {worst.daf:.3f}."
+    )
+
+
+def _daf_sentences(board: Scoreboard, rows: Sequence[Row]) -> list[str]:
+    best, first = rows[0], board.strategies[0]
+    if len(rows) == 1:
+        return []
+    if len(board.roads) == 1:
+        return ["A single road gives no confidence intervals: --random N adds roads."]
+    if best.strategy == first:
+        return [f"No strategy has a lower mean DAF than {first}."]
+    low, high = sorted(abs(end) for end in best.daf_difference[1:])
+    sure = (
+        f"{100 * CONFIDENCE:g} % confidence: {low:.3f} to {high:.3f}"
+        if best.daf_difference.clear
+        else "not clearly: other roads may turn it round"
+    )
+    lines = [
+        f"Lowest mean DAF: {best.strategy}, {best.daf:.3f}, {-best.daf_difference.mean:.3f} below "
+        f"{first} ({sure})."
+    ]
+    flying = [row.strategy for row in rows if row.least_force <= 0]
+    if flying:
+        lines.append(f"A tire leaves the road with {', '.join(flying)}.")
+    return lines
+
+
+def _heading(board: Scoreboard) -> str:
+    """What was simulated."""
+    kmh = board.speeds * 3.6
+    names = list(board.roads)
+    if len(names) > NAMED_ROADS:
+        names = [*names[: NAMED_ROADS - 1], "...", names[-1]]
+    speeds = f"{kmh.min():g} km/h" if kmh.size == 1 else (
+        f"{kmh.size} speeds from {kmh.min():g} to {kmh.max():g} km/h"
+    )  # fmt: skip
+    return (
+        f"{_count(len(board.strategies), 'strategy', 'strategies')} on "
+        f"{_count(len(board.roads), 'road', 'roads')} ({'; '.join(names)}),\n"
+        f"{speeds}, {board.approach:g} m of approach\n"
+        f"Bridge: {board.beam!r}\nVehicle: {board.vehicle!r}\n"
+    )
+
+
+def _count(number: int, one: str, many: str) -> str:
+    return f"{number} {one if number == 1 else many}"
+
+
+def _bridge_table(rows: Sequence[Row], first: str) -> Table:
+    columns = ["strategy", "mean DAF", "difference", "from\n(95 %)", "to\n(95 %)",
+               "clear", "worst\nDAF", "at\nkm/h"]  # fmt: skip
+    table = make_table("The bridge: dynamic amplification", columns, ["strategy", "clear"])
+    for row in rows:
+        cells = ["-", "-", "-", ""] if row.strategy == first else _difference(row.daf_difference)
+        worst = f"{row.worst_daf:.3f}", f"{row.worst_speed * 3.6:g}"
+        style = "bold" if row.strategy == first else None
+        table.add_row(row.strategy, f"{row.daf:.4f}", *cells, *worst, style=style)
+    return table
+
+
+def _difference(difference: Paired) -> list[str]:
+    word = ("lower" if difference.mean < 0 else "higher") if difference.clear else ""
+    return [*map(_signed, difference), word]
+
+
+def _signed(value: float) -> str:
+    # No negative zero.
+    return "-" if math.isnan(value) else f"{round(value, 4) + 0.0:+.4f}"
+
+
+def _road_table(rows: Sequence[Row], first: str) -> Table:
+    columns = ["strategy", "DLC", "R^4\n95 %", "least\nR", "ride\n[m/s2]", "ride W_k\n[m/s2]",
+               "travel\n[mm]", "switches\n[1/s]"]  # fmt: skip
+    table = make_table("Road, ride and suspension", columns, ["strategy"])
+    for row in rows:
+        table.add_row(
+            row.strategy, f"{row.dynamic_load_coefficient:.4f}", f"{row.fourth_power_95:.3f}",
+            f"{row.least_force:.2f}", f"{row.body_acceleration:.3f}",
+            f"{row.weighted_acceleration:.3f}", f"{1e3 * row.suspension_travel:.1f}",
+            f"{row.switching_rate:.1f}", style="bold" if row.strategy == first else None,
+        )  # fmt: skip
+    return table
+
+
+def _dae_table(rows: Sequence[Row], first: str) -> Table:
+    columns = ["strategy", "mean DAF", "Eq. (15)\nmean", "rms\nerror", "rank",
+               "second\norder", "rms\nerror"]  # fmt: skip
+    table = make_table("The dynamic amplification estimate (DAE)", columns, ["strategy"])
+    for row in rows:
+        table.add_row(
+            row.strategy, f"{row.daf:.4f}", f"{row.dae:.4f}", f"{row.dae_error:.4f}",
+            _known(row.dae_rank, 2), _known(row.dae_2, 4), _known(row.dae_2_error, 4),
+            style="bold" if row.strategy == first else None,
+        )  # fmt: skip
+    return table
+
+
+def _known(value: float, digits: int) -> str:
+    return "-" if math.isnan(value) else f"{value:.{digits}f}"
+
+
+def _class_table(board: Scoreboard, names: Sequence[str]) -> Table:
+    columns = ["strategy"]
+    for name in names:
+        columns += [f"class {name}\nDAE", "spread", "DAF", "spread"]
+    table = make_table("The DAE over the road class", columns, ["strategy"])
+    for rows in zip(*(board.class_rows(name) for name in names), strict=True):
+        cells = [_known(value, 4) for row in rows for value in row[1:]]
+        own = rows[0].strategy == board.strategies[0]
+        table.add_row(rows[0].strategy, *cells, style="bold" if own else None)
+    return table
+
+
+def _ranking_table(rankings: Sequence[Ranking]) -> Table:
+    columns = ["roads", "estimate", "tau", "from\n(95 %)", "to\n(95 %)", "clear\npairs"]
+    table = make_table("How DAE orders the strategies", columns, ["roads", "estimate"])
+    for each in rankings:
+        pairs = "-" if each.pairs is None else f"{each.pairs.right} of {each.pairs.number}"
+        table.add_row(
+            each.roads, each.estimate, *(_known(value, 2) for value in each.agreement), pairs
+        )
+    return table
+
+
+def _by_two(names: Sequence[str]) -> list[Sequence[str]]:
+    return [names[i : i + 2] for i in range(0, len(names), 2)]

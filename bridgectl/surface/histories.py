@@ -1,0 +1,445 @@
+"""Moment histories of unit ramps, in factored form.
+
+The road's slope over one ramp, a pulse, leaves a free response behind. A crossing is cut
+into blocks of cells: within a block the response to each of its few ramps is kept as it is;
+beyond it, a ramp lives on in the states it leaves at the block's end, and every later
+moment is a row times those states. All histories of a speed come from one propagation, and
+no transition matrix is ever inverted, so stiff or heavily damped vehicles are no different.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from bridgectl._checks import FloatArray
+from bridgectl.linear.cells import SAME_PLACE, SAMPLES, Cells, bridge_entry, build_cells
+from bridgectl.linear.peaks import find_peaks, margins, raise_peaks, whole_cells
+from bridgectl.linear.runs import Run, speed_batches
+
+ALL = slice(None)
+
+BATCH_BYTES = 16e6
+"""Memory of the maps of the speeds treated at once: as much again goes into their products."""
+
+
+class Histories(Protocol):
+    """Moment histories of a smooth road and of ramps, which superpose."""
+
+    @property
+    def nodes(self) -> FloatArray:
+        """Positions of the reference tire at the ends of the cells on the bridge [m]."""
+        ...
+
+    @property
+    def smooth(self) -> FloatArray:
+        """Normalized moment on a smooth road at the samples, shape (n_speeds, n_samples)."""
+        ...
+
+    def peaks(self, speed: int, drops: float) -> FloatArray:
+        """Peak moment with each ramp on its own, so high [m], at one speed, shape (n_ramps,)."""
+        ...
+
+    def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
+        """Normalized moment beyond the smooth road's at one speed, at the samples.
+
+        Parameters
+        ----------
+        speed : int
+            Index of the speed.
+        drops : ndarray, shape (n_ramps, n_roads), or float
+            Height of every ramp of each road, positive for a drop [m]. One number: each ramp
+            on its own, that high.
+
+        Returns
+        -------
+        ndarray, shape (n_samples, n_roads) or (n_samples, n_ramps)
+        """
+        ...
+
+
+def superposed(histories: Histories, speed: int, drops: FloatArray | float) -> FloatArray:
+    """Return `Histories.moments` with the smooth road's: the histories of whole roads."""
+    history = histories.moments(speed, drops)
+    history += histories.smooth[speed][:, np.newaxis]
+    return history
+
+
+class FeedbackHistories:
+    """What stands for the histories of a semi-active damper, whose responses do not superpose."""
+
+    def __init__(self, damper: str) -> None:
+        self.damper = damper
+
+    @property
+    def nodes(self) -> FloatArray:
+        """See `smooth`."""
+        return self.smooth
+
+    @property
+    def smooth(self) -> FloatArray:
+        """None are kept: superposing them would be wrong."""
+        raise ValueError(
+            f"the histories of a crossing with {self.damper} do not superpose: estimate its DAF by "
+            "surface.dae(road), or simulate it, bridgectl.daf(beam, vehicle, speeds, road, "
+            "damper=...)"
+        )
+
+    def peaks(self, speed: int, drops: float) -> FloatArray:
+        """See `smooth`."""
+        return self.smooth
+
+    def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
+        """See `smooth`."""
+        return self.smooth
+
+
+@dataclass(frozen=True)
+class DenseHistories:
+    """Histories kept one by one, as simulating every ramp gives them.
+
+    `smooth` has shape (n_speeds, n_samples), `unit` (n_speeds, n_samples, n_ramps) for ramps
+    1 m high.
+    """
+
+    nodes: FloatArray
+    smooth: FloatArray
+    unit: FloatArray
+
+    def peaks(self, speed: int, drops: float) -> FloatArray:
+        """See `Histories.peaks`."""
+        return find_peaks(superposed(self, speed, drops)).values
+
+    def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
+        """See `Histories.moments`."""
+        unit = self.unit[speed]
+        return unit @ drops if isinstance(drops, np.ndarray) else unit * drops
+
+
+@dataclass(frozen=True)
+class FactoredHistories:
+    """Histories as products of rows and states, block by block.
+
+    Axis names: S speeds, B blocks, T samples in a block, N ramps, L ramps at work in a block,
+    n states: vehicle, beam, and the road under each tire.
+
+    Attributes
+    ----------
+    nodes : ndarray
+        Positions of the reference tire at the ends of the cells on the bridge [m].
+    smooth : ndarray, shape (S, n_samples)
+        Normalized moment on a smooth road.
+    entry : ndarray, shape (S, n, N)
+        States as the reference tire reaches the bridge.
+    local : ndarray of int, shape (B, L)
+        The ramps at work in each block; N where there are fewer.
+    carried, added : ndarray, shapes (S, B, n, n) and (S, B, n, L)
+        States at a block's end from those at its start and from its ramps.
+    rows, direct : ndarray, shapes (S, B, T + 1, n) and (S, B, T + 1, L)
+        Normalized moment at the samples of a block, likewise; the last sample is the first of
+        the next block.
+    """
+
+    nodes: FloatArray
+    smooth: FloatArray
+    entry: FloatArray
+    local: NDArray[np.intp]
+    carried: FloatArray
+    added: FloatArray
+    rows: FloatArray
+    direct: FloatArray
+
+    def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
+        """See `Histories.moments`."""
+        if isinstance(drops, np.ndarray):
+            blocks = self._of_roads(speed, drops)
+        else:
+            ramps = _RampsApart(self, speed, drops)
+            blocks = (ramps.block(block) for block in range(len(self.local)))
+        return _joined(blocks)[: self.smooth.shape[1]]
+
+    def peaks(self, speed: int, drops: float) -> FloatArray:
+        """See `Histories.peaks`. Only where some ramp may have its peak are histories computed."""
+        per_block, smooth = self.rows.shape[2] - 1, self.smooth[speed]
+        ramps = _RampsApart(self, speed, drops)
+        top = min(int(smooth.argmax()), len(smooth) - 2)
+        block, sample = divmod(top, per_block)
+        best = smooth[top] + ramps.block(block, slice(sample, sample + 1))[0]
+        # Between samples a moment rises above them by its margin, to which a ramp adds as much as
+        # its reach.
+        room = margins(smooth[:, np.newaxis])[0] + 2 * ramps.reach()
+        for block in range(-(-(len(smooth) - 1) // per_block)):
+            samples = smooth[block * per_block : (block + 1) * per_block + 1]
+            high = np.nonzero(samples + room[block] >= best.min())[0]
+            if high.size:
+                cells = slice(*whole_cells(high[0], high[-1], len(samples)))
+                moment = ramps.block(block, cells)
+                moment += samples[cells, np.newaxis]
+                raise_peaks(best, moment)
+        return best
+
+    def _of_roads(self, speed: int, drops: FloatArray) -> Iterator[FloatArray]:
+        """Histories of roads, block by block."""
+        states = self.entry[speed] @ drops
+        drops = np.pad(drops, ((0, 1), (0, 0)))
+        for block, local in enumerate(self.local):
+            here = drops[local]
+            yield self.rows[speed, block] @ states + self.direct[speed, block] @ here
+            states = self.carried[speed, block] @ states + self.added[speed, block] @ here
+
+
+class _RampsApart:
+    """Histories of each ramp on its own, as high as `drop` [m], at one speed.
+
+    Ramps that every tire has passed at the entry live on in the entry states alone: the rows of
+    each block meet those, through the blocks before it. The others have states at each block.
+    """
+
+    def __init__(self, histories: FactoredHistories, speed: int, drop: float) -> None:
+        self.local = histories.local
+        carried, self.rows = histories.carried[speed], histories.rows[speed]
+        entry, added = histories.entry[speed] * drop, histories.added[speed] * drop
+        self.direct = histories.direct[speed] * drop
+        self.n_passed = min(int(self.local.min()), entry.shape[1])
+        self.passed = entry[:, : self.n_passed]
+        self.from_entry = np.empty_like(self.rows)
+        # One more column takes what the unused places of `local` bring.
+        others = np.pad(entry[:, self.n_passed :], ((0, 0), (0, 1)))
+        self.states = np.empty((len(self.local), *others.shape))
+        through = np.eye(len(entry))
+        for block, here in enumerate(self.local - self.n_passed):
+            self.from_entry[block], self.states[block] = self.rows[block] @ through, others
+            through, others = carried[block] @ through, carried[block] @ others
+            others[:, here] += added[block]
+
+    def block(self, block: int, samples: slice = ALL) -> FloatArray:
+        """Histories in a block, or at some samples of it, (T + 1, N)."""
+        others = self.rows[block, samples] @ self.states[block]
+        others[:, self.local[block] - self.n_passed] += self.direct[block, samples]
+        if self.n_passed == 0:
+            return others[:, :-1]
+        return np.hstack([self.from_entry[block, samples] @ self.passed, others[:, :-1]])
+
+    def reach(self) -> FloatArray:
+        """What no ramp exceeds in a block, at samples: a bound, (B,)."""
+        others = np.abs(self.rows).max(axis=1) * np.abs(self.states).max(axis=2)
+        reach = others.sum(axis=1) + np.abs(self.direct).max(axis=(1, 2))
+        passed = np.abs(self.from_entry).max(axis=1) @ np.abs(self.passed).max(axis=1, initial=0.0)
+        return np.asarray(np.maximum(reach, passed))
+
+
+def factor_histories(
+    run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int
+) -> FactoredHistories:
+    """Propagate all ramps of a crossing at once.
+
+    The ramps start at ``run.start``, `ramp_length` apart.
+    """
+    nodes = run.nodes(float(speeds.min()))
+    entry = bridge_entry(nodes)
+    nodes = nodes[entry:]
+    # About as many blocks as cells in a block: both loops are then short. Cells beyond the exit
+    # fill the last block; nothing reads them.
+    n_cells = len(nodes) - 1
+    per_block = max(1, round(np.sqrt(n_cells)))
+    n_blocks = -(-n_cells // per_block)
+    beyond = np.arange(1, n_blocks * per_block - n_cells + 1) * (nodes[-1] - nodes[-2])
+    nodes = np.append(nodes, nodes[-1] + beyond)
+    at_work = _ramps_of_cells(run, nodes, ramp_length, n_ramps)
+    local, place = _local_ramps(at_work.reshape(n_blocks, -1), n_ramps)
+    share = np.diff(nodes) / ramp_length
+    rises = _block_rises(place.reshape(n_blocks, per_block, -1), share, local.shape[1] + 1)
+
+    parts = []
+    for batch in speed_batches(run, speeds, BATCH_BYTES):
+        cells = build_cells(run.crossing, speeds[batch], nodes, on_bridge=True)
+        arrived = _entry_states(run, speeds[batch], ramp_length, n_ramps)
+        parts.append(_factor_blocks(run, cells, rises, arrived))
+    smooth, entries, carried, added, rows, direct = (
+        np.concatenate(arrays) for arrays in zip(*parts, strict=True)
+    )
+    n_samples = len(SAMPLES) * n_cells + 1
+    smooth = np.array([_joined(blocks)[:n_samples] for blocks in smooth])
+    return FactoredHistories(
+        nodes[: n_cells + 1], smooth, entries, local, carried, added, rows, direct
+    )
+
+
+def _joined(blocks: Iterable[FloatArray]) -> FloatArray:
+    """Blocks of samples, each ending where the next begins, as one history."""
+    first, *others = blocks
+    return np.concatenate([first, *(block[1:] for block in others)])
+
+
+def _ramps_of_cells(
+    run: Run, nodes: FloatArray, ramp_length: float, n_ramps: int
+) -> NDArray[np.intp]:
+    """Index of the ramp under each tire in each cell; n_ramps where there is none, (C, tires)."""
+    middles = run.crossing.tire_positions((nodes[:-1] + nodes[1:]) / 2)
+    index = np.floor((middles - run.start) / ramp_length).astype(np.intp)
+    none = (index < 0) | (index >= n_ramps)
+    return np.where(none, n_ramps, index)
+
+
+def _local_ramps(
+    at_work: NDArray[np.intp], n_ramps: int
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The different ramps of each block (B, L), and where in them each entry of it is.
+
+    Entries without a ramp point past the end, to place L.
+    """
+    ramps = [np.setdiff1d(row, [n_ramps]) for row in at_work]
+    width = max(1, *(len(row) for row in ramps))
+    local = np.full((len(ramps), width), n_ramps)
+    place = np.full(at_work.shape, width)
+    for block, (row, found) in enumerate(zip(at_work, ramps, strict=True)):
+        local[block, : len(found)] = found
+        real = row < n_ramps
+        place[block, real] = np.searchsorted(found, row[real])
+    return local, place
+
+
+def _block_rises(place: NDArray[np.intp], share: FloatArray, n_places: int) -> FloatArray:
+    """Rise under each tire in each cell per height of the block's ramps.
+
+    `place` has shape (B, K, tires), the result (B, K, tires, n_places - 1).
+    """
+    rises = np.zeros((*place.shape, n_places))
+    share = np.broadcast_to(share.reshape(*place.shape[:2], 1, 1), (*place.shape, 1))
+    np.put_along_axis(rises, place[..., np.newaxis], share, axis=-1)
+    return rises[..., :-1]
+
+
+def _entry_states(run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int) -> FloatArray:
+    """States and road under the tires at the bridge, per height of each ramp before it.
+
+    On the rigid road of the approach the vehicle is time-invariant: what a ramp leaves behind
+    goes on alike, wherever it lies.
+    """
+    crossing, n = run.crossing, run.crossing.n_vehicle
+    vehicle = crossing.linear
+    states = np.zeros((len(speeds), crossing.n_states + vehicle.n_tires, n_ramps))
+    starts = run.start + ramp_length * np.arange(n_ramps)
+    past = (crossing.tire_positions(0.0)[:, np.newaxis] - starts) / ramp_length
+    # Ends of ramps under a tire at the entry are passed, but for round-off.
+    past = np.where(np.abs(past - np.round(past)) * ramp_length < SAME_PLACE, np.round(past), past)
+    states[:, crossing.n_states :] = np.clip(past, 0.0, 1.0)
+    duration = ramp_length / speeds
+    for tire, ramps in enumerate(past):
+        # Vehicle, road under the tire and its rate of climb: a ramp is a unit of the last.
+        chain = np.zeros((n + 2, n + 2))
+        chain[:n, :n] = vehicle.state_matrix_on_tires()
+        chain[:n, n] = vehicle.road_input[:, tire]
+        on_ramp = chain.copy()
+        on_ramp[n, n + 1] = 1.0
+        climbed = np.nonzero(ramps >= 1)[0]
+        if climbed.size:
+            left = _expm(on_ramp, duration)[..., n + 1 :] / duration[:, np.newaxis, np.newaxis]
+            last = _expm(chain, duration * (ramps[climbed[-1]] - 1)) @ left
+            after = _repeated(last, _expm(chain, duration), climbed.size)
+            states[:, :n, : climbed.size] += after[:, :n]
+        for ramp in np.nonzero((ramps > 0) & (ramps < 1))[0]:
+            states[:, :n, ramp] += (
+                _expm(on_ramp, duration * ramps[ramp])[:, :n, n + 1] / duration[:, np.newaxis]
+            )
+    return states
+
+
+def _expm(matrix: FloatArray, durations: FloatArray) -> FloatArray:
+    """Matrix exponential for each duration, (S, n, n)."""
+    return np.asarray(expm(matrix * durations[:, np.newaxis, np.newaxis]))
+
+
+def _repeated(last: FloatArray, step: FloatArray, count: int) -> FloatArray:
+    """States (S, n, count) of which each is `step` times the one after it, and the last given."""
+    states = np.empty((*last.shape[:2], count))
+    states[..., -1:] = last
+    known = 1
+    while known < count:  # twice as many with each product
+        more = min(known, count - known)
+        states[..., count - known - more : count - known] = step @ states[..., count - more :]
+        step = step @ step
+        known += more
+    return states
+
+
+def _factor_blocks(
+    run: Run, cells: Cells, rises: FloatArray, entry: FloatArray
+) -> tuple[FloatArray, ...]:
+    """Run through all blocks at once, from unit states, unit ramps and the static loads.
+
+    The columns of what is propagated are [states, road under the tires, ramps of the block,
+    static loads], its rows [states, road rows].
+    """
+    n, n_speeds = cells.n_states, len(cells.free)
+    n_blocks, per_block, n_tires, n_local = rises.shape
+    carried = slice(n + n_tires)
+    ramps = slice(n + n_tires, n + n_tires + n_local)
+    road = _block_road_rows(rises, n)
+    n_columns = road.shape[-1]
+    states = np.zeros((n_speeds, n_blocks, n + road.shape[-2], n_columns))
+    states[:, :, np.arange(n), np.arange(n)] = 1.0
+    effects = np.empty((n_speeds, n_blocks, per_block * len(SAMPLES) + 1, n_columns))
+    at_nodes = _node_rows(run, cells)
+    through = np.concatenate(cells.transitions(), axis=-1)
+    by_block = np.arange(n_blocks * per_block).reshape(n_blocks, per_block)
+    for k in range(per_block):
+        states[:, :, n:] = road[:, k]
+        cell, sample = by_block[:, k], len(SAMPLES) * k
+        after = through[:, cell] @ states
+        effects[:, :, sample] = (at_nodes[cell, np.newaxis] @ states)[:, :, 0]
+        effects[:, :, sample + 1 : sample + len(SAMPLES)] = after[:, :, n:]
+        states[:, :, :n] = after[:, :, :n]
+
+    ends = np.zeros((n_speeds, n_blocks, n + n_tires, n_columns))
+    ends[:, :, :n] = states[:, :, :n]
+    ends[:, :, n:, n : n + n_tires] = np.eye(n_tires)
+    ends[:, :, n:, ramps] = rises.sum(axis=1)
+    # The road that the last cell of a block ends on.
+    states[:, :, n : n + n_tires] += road[:, -1, n_tires + 1 :]
+    effects[:, :, -1] = (at_nodes[by_block[:, -1] + 1, np.newaxis] @ states)[:, :, 0]
+    smooth, now = [], np.zeros((n_speeds, n + n_tires))
+    for rows, end in zip(effects.swapaxes(0, 1), ends.swapaxes(0, 1), strict=True):
+        smooth.append(rows[:, :, -1] + np.einsum("sti,si->st", rows[..., carried], now))
+        now = np.einsum("sij,sj->si", end[..., carried], now) + end[..., -1]
+    return (
+        np.stack(smooth, axis=1),
+        entry,
+        ends[..., carried],
+        ends[..., ramps],
+        effects[..., carried],
+        effects[..., ramps],
+    )
+
+
+def _block_road_rows(rises: FloatArray, n_states: int) -> FloatArray:
+    """Road rows of the cells (B, K, 2 tires + 1, columns) for the columns of a block."""
+    n_tires, n_local = rises.shape[2:]
+    first = n_states + n_tires
+    tires = np.arange(n_tires)
+    rows = np.zeros((*rises.shape[:2], 2 * n_tires + 1, first + n_local + 1))
+    rows[:, :, tires, n_states + tires] = 1.0
+    rows[:, 1:, :n_tires, first:-1] = np.cumsum(rises, axis=1)[:, :-1]
+    rows[:, :, n_tires, -1] = 1.0
+    rows[:, :, n_tires + 1 :, first:-1] = rises
+    return rows
+
+
+def _node_rows(run: Run, cells: Cells) -> FloatArray:
+    """The crossing's effect at each node from the states and the road rows, (C + 1, ...)."""
+    crossing, vehicle, n = run.crossing, run.crossing.linear, run.crossing.n_vehicle
+    gain, per_state, constant = crossing.rows(cells.nodes)
+    spring = gain * vehicle.tire_stiffnesses
+    deflections = np.einsum("ck,ckj->cj", spring, crossing.tire_shapes(cells.nodes))
+    rows = np.zeros((len(cells.nodes), cells.n_states + 2 * vehicle.n_tires + 1))
+    rows[:, : cells.n_states] = per_state
+    rows[:, :n] += spring @ vehicle.hubs
+    rows[:, n : cells.n_states : 2] -= deflections
+    rows[:, cells.n_states : cells.n_states + vehicle.n_tires] = -spring
+    rows[:, cells.n_states + vehicle.n_tires] = gain @ vehicle.static_loads + constant
+    return rows

@@ -1,0 +1,538 @@
+"""The ramp surface and what reads from it: DAE, superposed DAF, contributions."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bridgectl import _checks
+from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_roads
+from bridgectl._threads import on_one_thread
+from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.runs import linear_contact, prepare
+from bridgectl.model.beam import Beam
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
+from bridgectl.road import RoadProfile, ramp_covariance
+from bridgectl.road.iso8608 import DEFAULT_BAND, Seed
+from bridgectl.road.sampling import COARSE
+from bridgectl.simulate import daf
+from bridgectl.surface.class_dae import ClassDae, over_class
+from bridgectl.surface.histories import FeedbackHistories, Histories, superposed
+from bridgectl.surface.tire_contact import TireContact
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+
+    from bridgectl.dampers import Damper, Strategy
+
+Roads = RoadProfile | Sequence[RoadProfile] | ArrayLike
+"""A road, several, or elevations at a surface's stations."""
+
+ROADS_AT_ONCE = 250
+"""Roads whose histories are superposed together."""
+
+
+@dataclass(frozen=True, eq=False)
+class RampSurface:
+    """Dynamic amplification of unit ramps, by speed and place: Fig. 5 of the paper.
+
+    Made by `ramp_surface`.
+
+    Attributes
+    ----------
+    beam, vehicle, section, recovery, effect
+        What was simulated: see `bridgectl.Crossing`.
+    approach : float
+        Where the vehicle starts before the bridge, and the ramps with it [m].
+    ramp_length, ramp_height : float
+        The unit ramp [m], a drop.
+    speeds : ndarray, shape (n_speeds,)
+        Speeds c [m/s].
+    positions : ndarray, shape (n_ramps,)
+        Start of each ramp [m], from the start of the bridge.
+    daf_smooth : ndarray, shape (n_speeds,)
+        DAF of a smooth road.
+    daf_unit : ndarray, shape (n_speeds, n_ramps)
+        DAF of a unit ramp on an otherwise smooth road.
+    histories : Histories
+        The moment histories behind them.
+    daf_rise : ndarray, shape (n_speeds, n_ramps), or None
+        DAF of a rise of the same height, if both ways were asked for.
+    every : int
+        The DAFs of ramps were computed at every so many-th place, with straight lines between.
+    """
+
+    beam: Beam
+    vehicle: Vehicle | QuarterCar
+    section: float
+    recovery: str
+    effect: str
+    approach: float
+    ramp_length: float
+    ramp_height: float
+    speeds: FloatArray
+    positions: FloatArray
+    daf_smooth: FloatArray
+    daf_unit: FloatArray
+    histories: Histories = field(repr=False)
+    daf_rise: FloatArray | None = None
+    every: int = 1
+
+    def __repr__(self) -> str:
+        kmh = self.speeds * 3.6
+        rest = "" if self.section == 0.5 else f", section={self.section:g} of the span"
+        rest += "" if self.effect == "moment" else f", effect={self.effect!r}"
+        rest += "" if self.daf_rise is None else ", both ways"
+        rest += "" if self.every == 1 else f", computed at one place in {self.every}"
+        if isinstance(self.histories, FeedbackHistories):
+            rest += f", damper={self.histories.damper!r}"
+        return (
+            f"RampSurface({len(self.speeds)} speeds from {kmh.min():g} to {kmh.max():g} km/h, "
+            f"{len(self.positions)} ramps of {self.ramp_height * 1e3:g} mm over "
+            f"{self.ramp_length * 1e3:g} mm from x = {0.0 - self.approach:g} m to "
+            f"{self.beam.length:g} m, recovery={self.recovery!r}{rest})"
+        )
+
+    @property
+    def daf_difference(self) -> FloatArray:
+        """What a unit ramp changes, DAF_unit - DAF_smooth [-] (Fig. 5(b)), (n_speeds, n_ramps)."""
+        return np.asarray(self.daf_unit - self.daf_smooth[:, np.newaxis])
+
+    @property
+    def odd_effect(self) -> FloatArray:
+        """What changes its sign with the ramp, (drop - rise) / 2 [-], (n_speeds, n_ramps).
+
+        Raises
+        ------
+        ValueError
+            If the surface has ramps down alone.
+        """
+        return np.asarray((self.daf_unit - self._both_ways()) / 2)
+
+    @property
+    def even_effect(self) -> FloatArray:
+        """What drop and rise have in common, (drop + rise) / 2 - smooth [-], (n_speeds, n_ramps).
+
+        Raises
+        ------
+        ValueError
+            If the surface has ramps down alone.
+        """
+        mean = (self.daf_unit + self._both_ways()) / 2
+        return np.asarray(mean - self.daf_smooth[:, np.newaxis])
+
+    def _both_ways(self) -> FloatArray:
+        if self.daf_rise is None:
+            raise ValueError(
+                "the surface has ramps down alone, which have no second order: type "
+                'ramp_surface(..., ramp_height="A", both_ways=True)'
+            )
+        return self.daf_rise
+
+    @property
+    def stations(self) -> FloatArray:
+        """Ends of the ramps [m]: where roads given as arrays have their elevations."""
+        return np.append(self.positions, self.positions[-1] + self.ramp_length)
+
+    def ramps(self, roads: Roads) -> FloatArray:
+        """Ramp scale factors s(i) of a road or of many, Eq. (14): positive for a drop.
+
+        Parameters
+        ----------
+        roads : RoadProfile, sequence of RoadProfile, or array_like
+            A road that covers the approach and the bridge, or several; or their elevations [m] at
+            `stations`, positive up, shape (n_ramps + 1,) or (n_roads, n_ramps + 1).
+
+        Returns
+        -------
+        ndarray, shape (n_ramps,) or (n_roads, n_ramps)
+
+        Raises
+        ------
+        TypeError
+            If `roads` is none of these.
+        ValueError
+            If a road does not cover the approach and the bridge, or the elevations do not fit
+            the stations.
+
+        Warns
+        -----
+        UserWarning
+            If a road was measured at steps longer than one foot and than a ramp: see
+            `RoadProfile.measured_step`.
+        """
+        if isinstance(roads, RoadProfile):
+            prepare(self._crossing(), roads, -self.approach, pieces=self.ramp_length)
+            ramps = roads.ramps(self.ramp_length, start=-self.approach, stop=self.beam.length)
+            return np.asarray(ramps.heights / self.ramp_height)
+        if isinstance(roads, Sequence) and any(isinstance(road, RoadProfile) for road in roads):
+            return np.array([self.ramps(road) for road in roads])
+        try:
+            elevations = _checks.floats("roads", cast(ArrayLike, roads), unit="m")
+        except TypeError:
+            raise TypeError(
+                "roads must be a RoadProfile, a list of them, or elevations [m] at the surface's "
+                f"stations, got {type(roads).__name__}"
+            ) from None
+        if elevations.ndim not in (1, 2) or elevations.shape[-1] != len(self.positions) + 1:
+            raise ValueError(
+                f"roads must have elevations at the {len(self.positions) + 1} stations of the "
+                f"surface, shape (n_roads, {len(self.positions) + 1}), got {elevations.shape}: "
+                "type RoadProfile(x, elevation)"
+            )
+        scales = elevations[..., :-1] - elevations[..., 1:]
+        scales /= self.ramp_height
+        if not np.isfinite(scales).all():
+            raise ValueError("roads must be finite elevations [m]")
+        return scales
+
+    def road(self, drops: ArrayLike, name: str = "") -> RoadProfile:
+        """Road of straight ramps: what superposed histories belong to; see `ramps`.
+
+        Parameters
+        ----------
+        drops : array_like, shape (n_ramps,)
+            Drop over each ramp [m], positive downward.
+        name : str, optional
+            Name of the road.
+
+        Returns
+        -------
+        RoadProfile
+            Over approach and bridge, at elevation 0 where it starts.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is not one drop for each ramp, or a ramp is steeper than 1 m/m.
+        """
+        falls = _checks.array("drops", drops, (len(self.positions),), unit="m")
+        x = np.append(self.positions, self.positions[-1] + self.ramp_length)
+        road = RoadProfile(x, -np.append(0.0, np.cumsum(falls)), name=name)
+        # Its ramps are meant to be straight, whatever their length.
+        return road._measured_as(min(self.ramp_length, COARSE))
+
+    @on_one_thread
+    def dae(self, roads: Roads, *, order: int = 1) -> FloatArray:
+        """Dynamic amplification estimate of a road or of many, Eq. (15).
+
+        DAE(c) = DAF_smooth(c) + sum_i [DAF_unit(c, i) - DAF_smooth(c)] s(i): a first-order
+        estimate, right where the peak moment keeps its place in time and poor at speeds
+        where two peaks compete. `superposed_daf` has no such error.
+
+        It is odd in the road: over roads and their mirror images its mean is the smooth DAF,
+        whatever the damper. Of order 2 it is DAF_smooth + sum_i o_i s(i) + sum_i e_i s(i)^2 with
+        `odd_effect` o and `even_effect` e, where a damper that switches has its gain.
+
+        Parameters
+        ----------
+        roads
+            As `ramps`.
+        order : {1, 2}, optional
+            1: Eq. (15). 2: with the even effects, of a surface that was made both ways.
+
+        Returns
+        -------
+        ndarray, shape (n_speeds,) or (n_roads, n_speeds)
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `ramps`; of order 2, if the surface has ramps down alone.
+
+        Warns
+        -----
+        PlausibilityWarning
+            If a road is too rough to be driven, as of elevations in mm, or has a grade.
+        UserWarning
+            As `ramps`.
+
+        References
+        ----------
+        Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eqs. (14), (15).
+
+        Examples
+        --------
+        Fig. 7 of the paper, which prints 1.0663: a rise of 5 mm, one of 7 mm, a drop of 10 mm.
+
+        >>> import numpy as np
+        >>> import bridgectl as bc
+        >>> beam, car = bc.li2006.beam(), bc.li2006.car()
+        >>> surface = bc.ramp_surface(beam, car, 110 / 3.6, recovery="li2006")
+        >>> print(f"{surface.dae(bc.li2006.fig7_road())[0]:.4f}")
+        1.0648
+        """
+        first, second = self._effects(order)
+        scales = self.ramps(roads)
+        judge_roads(*_profiles(roads))
+        estimate: FloatArray = scales @ first.T
+        if second is not None:
+            estimate += scales**2 @ second.T
+        estimate += self.daf_smooth
+        return estimate
+
+    def _effects(self, order: int) -> tuple[FloatArray, FloatArray | None]:
+        """What a unit ramp does times s, and times s^2."""
+        if _checks.integer("order", order, at_least=1) > 2:
+            raise ValueError(f"order must be 1 or 2, got {order}")
+        return (self.daf_difference, None) if order == 1 else (self.odd_effect, self.even_effect)
+
+    def class_dae(
+        self,
+        roughness: str | float,
+        *,
+        waviness: float = 2.0,
+        band: tuple[float, float] = DEFAULT_BAND,
+        level: str = "mean",
+        mirror_pairs: int = 0,
+        seed: Seed = 0,
+        damper: Damper | Strategy | None = None,
+    ) -> ClassDae:
+        """Mean and standard deviation of the DAE over the random roads of a class, closed form.
+
+        Of the second order if the surface was made both ways: with ramps of covariance S, in units
+        of the unit ramp, the mean is DAF_smooth + sum_i e_i S_ii, the variance
+        o' S o + 2 tr((E S)^2). Of the first order the mean is the smooth DAF.
+
+        With `mirror_pairs` the mean is not DAE's but that of simulated DAFs, and so is any ranking
+        by it. With odd effects about it single roads are estimated better:
+        ``calibrated.mean + surface.ramps(roads) @ surface.odd_effect.T``.
+
+        Parameters
+        ----------
+        roughness, waviness, band, level
+            See `bridgectl.iso8608_profile`.
+        mirror_pairs : int, optional
+            Number of random roads to simulate for the mean, each with its mirror image.
+        seed : int or numpy.random.Generator, optional
+            Of these roads: the same seed gives the same numbers.
+        damper : bridgectl.dampers.Damper or Strategy, optional
+            The semi-active damper that the surface was made with, to simulate.
+
+        Returns
+        -------
+        ClassDae
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `bridgectl.iso8608_profile`, of a class that there is not for example; if `damper` is
+            not that of the surface.
+
+        Warns
+        -----
+        LiftOffWarning
+            As `superposed_daf`, of roads that are simulated.
+        UserWarning
+            If it takes minutes.
+
+        Examples
+        --------
+        Bridgehook, which Eq. (15) does not tell from the vehicle's own damper, on class A roads:
+
+        >>> import bridgectl as bc
+        >>> beam, car = bc.li2006.beam(), bc.li2006.car()
+        >>> for damper in (None, bc.dampers.bridgehook(beam, car, 1e3, 30e3)):
+        ...     surface = bc.ramp_surface(
+        ...         beam, car, 30.0, approach=20, ramp_height="A", both_ways=True, every=10,
+        ...         damper=damper)
+        ...     print(f"{surface.class_dae('A').mean[0]:.2f}, smooth {surface.daf_smooth[0]:.2f}")
+        1.14, smooth 1.14
+        1.10, smooth 1.13
+
+        The simulated mean of the latter:
+
+        >>> calibrated = surface.class_dae("A", mirror_pairs=25, damper=damper)
+        >>> print(f"{calibrated.mean[0]:.2f}, standard error {calibrated.standard_error[0]:.3f}")
+        1.08, standard error 0.002
+        """
+        covariance = ramp_covariance(
+            roughness, len(self.positions), self.ramp_length, waviness=waviness, band=band,
+            level=level,
+        )  # fmt: skip
+        effects = self._effects(1 if self.daf_rise is None else 2)
+        closed = over_class(
+            self.speeds, self.daf_smooth, *effects, covariance / self.ramp_height**2
+        )
+        if _checks.integer("mirror_pairs", mirror_pairs, at_least=0) == 0 and damper is None:
+            return closed
+        # Late, for dampers lie above this module.
+        from bridgectl.scoring.calibration import calibrate
+
+        return calibrate(
+            self, closed, mirror_pairs, damper, roughness,
+            seed=seed, waviness=waviness, band=band, level=level,
+        )  # fmt: skip
+
+    def contributions(self, road: RoadProfile | ArrayLike, *, order: int = 1) -> FloatArray:
+        """What each ramp of one road adds to its DAE, the terms of Eq. (15).
+
+        Parameters
+        ----------
+        road : RoadProfile or array_like, shape (n_ramps + 1,)
+            As `ramps`.
+        order : {1, 2}, optional
+            See `dae`.
+
+        Returns
+        -------
+        ndarray, shape (n_speeds, n_ramps)
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `ramps`.
+
+        Warns
+        -----
+        PlausibilityWarning
+            As `dae`.
+        UserWarning
+            As `ramps`.
+        """
+        scales = self.ramps(road)
+        if scales.ndim != 1:
+            raise ValueError(f"road must be one road, got {len(scales)}: take one at a time")
+        judge_roads(*_profiles(road))
+        first, second = self._effects(order)
+        return np.asarray(first * scales if second is None else first * scales + second * scales**2)
+
+    @on_one_thread
+    def superposed_daf(self, roads: Roads) -> FloatArray:
+        """DAF of a road, or of many, from superposed histories: exact for a linear crossing.
+
+        M(t) = M_smooth(t) + sum_i s(i) M_i(t), then its maximum.
+
+        Parameters
+        ----------
+        roads
+            As `ramps`; between the ends of the ramps a road counts as straight.
+
+        Returns
+        -------
+        ndarray, shape (n_speeds,) or (n_roads, n_speeds)
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `ramps`.
+
+        Warns
+        -----
+        LiftOffWarning
+            If a tire leaves the road at some speeds. The crossing is not linear there: they
+            are simulated instead.
+        UserWarning
+            As `ramps`.
+        """
+        scales = self.ramps(roads)
+        drops = np.atleast_2d(scales) * self.ramp_height
+        judge_roads(*_profiles(roads))
+        values = np.hstack([self._superposed(part) for part in road_parts(drops.T)])
+        for road in np.nonzero(~np.isfinite(values).all(axis=0))[0]:
+            again = ~np.isfinite(values[:, road])
+            values[again, road] = daf(
+                self.beam, self.vehicle, self.speeds[again], self.road(drops[road]),
+                start=-self.approach, section=self.section, recovery=self.recovery,
+                effect=self.effect,
+            )  # fmt: skip
+        return np.asarray(values.T if scales.ndim == 2 else values[:, 0])
+
+    def _superposed(self, drops: FloatArray) -> FloatArray:
+        """Superposed DAF of roads, (n_speeds, n_roads); NaN where a tire may leave the road."""
+        values = np.empty((len(self.speeds), drops.shape[1]))
+        for i in range(len(self.speeds)):
+            values[i] = find_peaks(superposed(self.histories, i, drops)).values
+        values[self.near_lift_off(drops)] = np.nan
+        return values
+
+    def near_lift_off(self, drops: FloatArray) -> NDArray[np.bool_]:
+        """Tell where a tire force falls below 5 % of its static load in the linear crossing.
+
+        Of vehicles with several tires: where one falls below zero.
+
+        Parameters
+        ----------
+        drops : ndarray, shape (n_ramps, n_roads)
+            Drop over each ramp of each road [m].
+
+        Returns
+        -------
+        ndarray of bool, shape (n_speeds, n_roads)
+        """
+        if self._contact is not None:
+            return np.array([self._contact.doubtful(i, drops) for i in range(len(self.speeds))])
+        runs = [prepare(self._crossing(), self.road(road), -self.approach) for road in drops.T]
+        return ~np.column_stack([linear_contact(run, self.speeds) for run in runs])
+
+    @cached_property
+    def _contact(self) -> TireContact | None:
+        """Tire forces of the same ramps; None for several tires, whose roads are simulated."""
+        if self.vehicle.linear.n_tires > 1:
+            return None
+        run = prepare(self._crossing(), self.road(np.zeros(len(self.positions))), -self.approach)
+        return TireContact(run, self.speeds, self.ramp_length, len(self.positions))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Save the surface to an NPZ file: see `bridgectl.surface.file.save_surface`.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file; `bridgectl.load_surface` reads it back to the bit.
+        """
+        from bridgectl.surface.file import save_surface  # late, for it lies above this module
+
+        save_surface(self, path)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the surface as a dataset: see `bridgectl.surface.labelled.surface_to_xarray`."""
+        from bridgectl.surface.labelled import surface_to_xarray
+
+        return surface_to_xarray(self)
+
+    def plot(self, *, difference: bool = False, ax: Axes | None = None) -> Axes:
+        """Draw the surface over place and speed: see `bridgectl.plots.surface_plot`.
+
+        Parameters
+        ----------
+        difference : bool, optional
+            Draw what a unit ramp changes (Fig. 5(b)) instead of its DAF.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if omitted.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        # Late, for it lies above this module, and matplotlib is slow to load.
+        from bridgectl.plots import surface_plot
+
+        return surface_plot(self, difference=difference, ax=ax)
+
+    def _crossing(self) -> Crossing:
+        return Crossing(
+            self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery, self.effect
+        )
+
+
+def _profiles(roads: Roads) -> list[RoadProfile]:
+    """Those of the roads that are profiles; arrays at stations may be anything."""
+    listed = roads if isinstance(roads, Sequence) else [roads]
+    return [road for road in listed if isinstance(road, RoadProfile)]
+
+
+def road_parts(drops: FloatArray) -> Iterator[FloatArray]:
+    """Roads a few hundred at a time, so that their histories fit in memory."""
+    for first in range(0, drops.shape[1], ROADS_AT_ONCE):
+        yield drops[:, first : first + ROADS_AT_ONCE]
