@@ -30,6 +30,7 @@ from bridgectl._version import __version__ as __version__
 
 if TYPE_CHECKING:
     from bridgectl._plausible import PlausibilityWarning
+    from bridgectl.linear.lift_off import LiftOffWarning
     from bridgectl.model.beam import Beam
     from bridgectl.model.crossing import Crossing, crossing_system
     from bridgectl.model.quarter_car import QuarterCar, convoy
@@ -46,8 +47,7 @@ if TYPE_CHECKING:
     )
     from bridgectl.scoring.board import Scoreboard
     from bridgectl.scoring.run import score
-    from bridgectl.simulate import LiftOffWarning, crossing_response, daf
-    from bridgectl.surface.compute import ramp_surface
+    from bridgectl.simulate import crossing_response, daf, ramp_surface
     from bridgectl.surface.file import SurfaceFileError, load_surface
     from bridgectl.surface.surface import RampSurface
     from bridgectl.surface.trust import DaeTrust, dae_trust
@@ -90,6 +90,7 @@ _ROOMS = {
 
 _HOMES = {
     "_plausible": ("PlausibilityWarning",),
+    "linear.lift_off": ("LiftOffWarning",),
     "model.beam": ("Beam",),
     "model.crossing": ("Crossing", "crossing_system"),
     "model.quarter_car": ("QuarterCar", "convoy"),
@@ -100,8 +101,7 @@ _HOMES = {
     ),
     "scoring.board": ("Scoreboard",),
     "scoring.run": ("score",),
-    "simulate": ("LiftOffWarning", "crossing_response", "daf"),
-    "surface.compute": ("ramp_surface",),
+    "simulate": ("crossing_response", "daf", "ramp_surface"),
     "surface.file": ("SurfaceFileError", "load_surface"),
     "surface.surface": ("RampSurface",),
     "surface.trust": ("DaeTrust", "dae_trust"),

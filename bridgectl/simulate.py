@@ -1,10 +1,12 @@
-"""What users ask of a crossing: its response, and its dynamic amplification factor."""
+"""The front door: what users ask of a crossing, and which engine answers.
+
+The response, the dynamic amplification factor, the surface of unit ramps: arguments are checked
+and judged here, once, and the engines of linear crossings and of closed loops never come back.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import control
 import numpy as np
@@ -13,44 +15,28 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_range
-from bridgectl._progress import track
 from bridgectl._threads import on_one_thread
-from bridgectl._warn import warn
-from bridgectl.linear.cells import (
-    SAME_PLACE,
-    SAMPLES,
-    bridge_entry,
-    merge_places,
-    sample_positions,
-)
-from bridgectl.linear.estimates import require_crossing
-from bridgectl.linear.lift_off import fly
-from bridgectl.linear.peaks import find_peaks
-from bridgectl.linear.runs import (
-    Run,
-    at_nodes,
-    effect_samples,
-    first_flight,
-    lifts_off,
-    prepare,
-    propagate,
-    simulate_reference,
-    speed_batches,
-)
+from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
+from bridgectl.dampers.loop.damped import damped_dafs, damped_response, damped_surface
+from bridgectl.dampers.strategy import Strategy
+from bridgectl.linear.cells import SAME_PLACE
+from bridgectl.linear.estimates import require_surface
+from bridgectl.linear.response import METHODS, linear_dafs, linear_response
+from bridgectl.linear.runs import Run, prepare
 from bridgectl.model.beam import Beam
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
-
-if TYPE_CHECKING:
-    from bridgectl.dampers import Damper, Strategy
-
-METHODS = ("propagator", "control")
-
-
-class LiftOffWarning(UserWarning):
-    """A tire leaves the road: the crossing is not linear, and superposition not exact."""
+from bridgectl.surface.compute import (
+    RAMP_HEIGHT,
+    RAMP_LENGTH,
+    RampGrid,
+    count_ramps,
+    linear_surface,
+    unit_height,
+)
+from bridgectl.surface.surface import RampSurface
 
 
 @on_one_thread
@@ -132,35 +118,12 @@ def crossing_response(
     _checks.choice("method", method, METHODS)
     run = prepare(crossing, profile, start, tail)
     judge_crossing(crossing, crossing.speed, profile)
-    if damper is not None:
-        _only_fast(method)
-        from bridgectl.dampers.actuator import as_damper, bare_vehicle  # late, as they lie above
-        from bridgectl.dampers.loop.damped import damped_response
-
-        judge_range(bare_vehicle(vehicle), as_damper(damper))
-        asked = np.zeros(0) if timepts is None else _times(timepts, run) * crossing.speed
-        return _as_response(*damped_response(run, damper, asked))
-    require_crossing(run, np.array([crossing.speed]), tail=tail, refine=4)
-    nodes = run.nodes(crossing.speed, refine=4)
-    keep = np.arange(len(nodes))
-    if timepts is not None:
-        asked = _times(timepts, run) * crossing.speed
-        nodes = merge_places(np.concatenate([asked, nodes]))
-        keep = np.searchsorted(nodes, asked - SAME_PLACE)
-    if method == "control":
-        states, forces = simulate_reference(run, nodes)
-    else:
-        stretches = propagate(run, np.array([crossing.speed]), nodes)
-        if not lifts_off(crossing, stretches)[0]:
-            return _as_response(run, nodes[keep], *at_nodes(crossing, stretches, keep))
-        flight = fly(run, nodes)
-        # The places of lift-offs and landings are among its nodes.
-        keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
-        nodes, states, forces = flight.nodes, flight.states, flight.forces
-    place = first_flight(nodes, forces)
-    if place is not None:
-        warn_of_flight(place)
-    return _as_response(run, nodes[keep], states[:, keep], forces[:, keep])
+    asked = None if timepts is None else _times(timepts, run) * crossing.speed
+    if damper is None:
+        return _as_response(run, *linear_response(run, asked, method))
+    device = _fast(damper, method)
+    judge_range(bare_vehicle(vehicle), device)
+    return _as_response(*damped_response(run, device, np.zeros(0) if asked is None else asked))
 
 
 @on_one_thread
@@ -222,84 +185,146 @@ def daf(
     _checks.choice("method", method, METHODS)
     run = prepare(crossing, profile, start)
     judge_crossing(crossing, c, profile)
+    device = None
     if damper is not None:
-        _only_fast(method)
+        device = _fast(damper, method)
         _checks.choice("effect", effect, ("moment",))
-        from bridgectl.dampers.actuator import as_damper, bare_vehicle
-        from bridgectl.dampers.loop.damped import damped_dafs
-
-        device, bare = as_damper(damper), bare_vehicle(vehicle)
-        judge_range(bare, device)
-        if device.constant is None:
-            return damped_dafs(run, device, c)
-        # A constant damper is another vehicle, whose crossing is linear.
-        crossing = replace(crossing, vehicle=replace(bare, damping=device.constant))
+        judge_range(bare_vehicle(vehicle), device)
+        crossing, device = _resolved(crossing, device)
         run = run._replace(crossing=crossing)
-    require_crossing(run, c)
-    result = np.empty(c.size)
-    linear = np.zeros(c.size, dtype=bool)
-    if method == "propagator":
-        batches = list(speed_batches(run, c))
-        for batch in track(batches, "Simulating crossings", len(batches), show=progress):
-            stretches = propagate(run, c[batch], run.nodes(c[batch].min()))
-            result[batch] = find_peaks(effect_samples(crossing, stretches[-1]).T).values
-            linear[batch] = ~lifts_off(crossing, stretches)
-    simulate = _flying_peak if method == "propagator" else _reference_peak
-    flights = {}
-    flying = np.nonzero(~linear)[0]
-    for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
-        at_speed = run._replace(crossing=replace(crossing, speed=float(c[i])))
-        result[i], place = simulate(at_speed)
-        if place is not None:
-            flights[float(c[i])] = place
-    warn_of_flights(flights, c.size)
-    return result
+    if device is not None:
+        return damped_dafs(run, device, c)
+    return linear_dafs(run, c, method, progress)
 
 
-def warn_of_flight(place: float) -> None:
-    """Tell where the tire of one crossing first leaves the road [m]."""
-    warn(
-        f"a tire leaves the road, first with the reference tire at x = {place:.2f} m: "
-        "simulated with R >= 0; the crossing is not linear there",
-        LiftOffWarning,
-    )
+@on_one_thread
+def ramp_surface(
+    beam: Beam,
+    vehicle: Vehicle | QuarterCar,
+    speeds: ArrayLike,
+    *,
+    approach: float = 0.0,
+    ramp_length: float = RAMP_LENGTH,
+    ramp_height: float | str = RAMP_HEIGHT,
+    both_ways: bool = False,
+    every: int = 1,
+    section: float = 0.5,
+    recovery: str = "exact",
+    effect: str = "moment",
+    method: str = "propagator",
+    damper: Damper | Strategy | None = None,
+    progress: bool = True,
+) -> RampSurface:
+    """Compute the DAF of a unit ramp at every place, for every speed: Fig. 5 of the paper.
 
+    Parameters
+    ----------
+    beam, vehicle, section, recovery, effect
+        See `bridgectl.Crossing`. Of an effect other than the moment, every "DAF" is that
+        effect's largest value over its largest static one; of the acceleration, in m/s^2.
+    speeds : float or array_like
+        Speeds c [m/s].
+    approach : float, optional
+        Length of the approach [m]: the vehicle starts that far before the bridge, in
+        equilibrium, and ramps lie there too.
+    ramp_length, ramp_height : float, optional
+        The unit ramp [m]: by default 1 mm over 100 mm, a *drop*, as in the paper. A road class,
+        "A" to "H", stands for the height sigma sqrt(N) of one ramp with the variance of the drops
+        over all N ramps of its roads: 13.4 mm for class A and 850 ramps.
+    both_ways : bool, optional
+        Whether there are rises of that height beside the drops: what they do together is the
+        even part of a ramp's effect, which `RampSurface.dae` of order 2 and
+        `RampSurface.class_dae` need to tell dampers apart.
+    every : int, optional
+        Take a ramp at every so many-th place alone, and straight lines between: a tenth of the
+        ramps cost a tenth of the time.
+    method : {'propagator', 'control'}, optional
+        'propagator': all ramps from one propagation, factored. 'control': one
+        `control.input_output_response` for each ramp and speed, slow, for comparison.
+    damper : bridgectl.dampers.Damper or Strategy, optional
+        A damper in place of the vehicle's own. If it is semi-active, its responses do not
+        superpose: the surface has a DAE, which then is an estimate twice over, and no superposed
+        DAF.
+    progress : bool, optional
+        Whether 'control' shows a progress bar on a terminal.
 
-def warn_of_flights(flights: Mapping[float, float], n_speeds: int) -> None:
-    """Tell at which speeds [m/s] a tire leaves the road, if it does, and where first [m]."""
-    if flights:
-        warn(
-            f"a tire leaves the road at {len(flights)} of {n_speeds} speeds, the slowest "
-            f"{min(flights) * 3.6:.0f} km/h, the first place x = {min(flights.values()):.1f} m: "
-            "simulated there with R >= 0",
-            LiftOffWarning,
+    Returns
+    -------
+    RampSurface
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter has the wrong kind, shape or range, or the work would be too much; the
+        message names it.
+
+    Warns
+    -----
+    PlausibilityWarning
+        If speeds, vehicle or damper can hardly be meant.
+    UserWarning
+        If it takes minutes.
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Section 3.1.
+
+    Examples
+    --------
+    The paper prints 0.00433 for a unit ramp at 0.12 l and 110 km/h.
+
+    >>> import bridgectl as bc
+    >>> beam, car = bc.li2006.beam(), bc.li2006.car()
+    >>> surface = bc.ramp_surface(beam, car, 110 / 3.6, recovery="li2006")
+    >>> surface.positions[29].round(3), round(surface.daf_unit[0, 29] - surface.daf_smooth[0], 5)
+    (np.float64(2.9), np.float64(0.00429))
+    """
+    c = _checks.speeds(speeds)
+    length = _checks.positive("ramp_length", ramp_length, unit="m")
+    before = _checks.not_negative("approach", approach, unit="m")
+    _checks.flag("both_ways", both_ways)
+    step = _checks.integer("every", every, at_least=1)
+    if isinstance(beam, Beam) and length > beam.length:
+        raise ValueError(
+            f"ramp_length must not exceed the bridge of {beam.length:g} m, got {length:g} m: for "
+            f"{length:g} mm type {length / 1000:g}"
         )
+    _checks.choice("method", method, METHODS)
+    _checks.flag("progress", progress)
+    crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
+    if damper is not None and (effect != "moment" or method != "propagator"):
+        raise ValueError(
+            f"with a damper, a surface is of the moment and by the fast path, got {effect=} and "
+            f"{method=}: leave them out"
+        )
+    judge_crossing(crossing, c)
+    require_surface(crossing, c, before, length, method)
+    n_ramps = count_ramps(before + beam.length, length)
+    height = unit_height(ramp_height, length, n_ramps)
+    grid = RampGrid(before, length, height, n_ramps, both_ways, step)
+    device = None
+    if damper is not None:
+        device = _fast(damper, method)
+        judge_range(bare_vehicle(vehicle), device)
+        crossing, device = _resolved(crossing, device)
+    if device is not None:
+        return damped_surface(crossing, device, c, grid)
+    return linear_surface(crossing, c, grid, method, progress)
 
 
-def _flying_peak(run: Run) -> tuple[float, float | None]:
-    """DAF with the tires kept from pulling, and where one first leaves the road."""
-    flight = fly(run, run.nodes(run.crossing.speed))
-    return _peak(flight.effects, flight.nodes), first_flight(flight.nodes, flight.forces)
-
-
-def _reference_peak(run: Run) -> tuple[float, float | None]:
-    """The same by the reference route."""
-    nodes = run.nodes(run.crossing.speed)
-    positions = sample_positions(nodes)
-    states, forces = simulate_reference(run, positions)
-    effect = run.crossing.values(positions, states.T, forces.T)
-    return _peak(effect, nodes), first_flight(positions, forces)
-
-
-def _peak(samples: FloatArray, nodes: FloatArray) -> float:
-    """Peak of an effect on the bridge, from its samples on the approach and the bridge."""
-    before = len(SAMPLES) * bridge_entry(nodes)
-    return float(find_peaks(samples[before:, np.newaxis]).values[0])
-
-
-def _only_fast(method: str) -> None:
+def _fast(damper: Damper | Strategy, method: str) -> Damper:
+    """Check that a damper goes with the route."""
     if method != "propagator":
         raise ValueError(f"method must be 'propagator' with a damper, got {method!r}: leave it out")
+    return as_damper(damper)
+
+
+def _resolved(crossing: Crossing, device: Damper) -> tuple[Crossing, Damper | None]:
+    """A constant damper is another vehicle, whose crossing is linear."""
+    if device.constant is None:
+        return crossing, device
+    bare = bare_vehicle(crossing.vehicle)
+    return replace(crossing, vehicle=replace(bare, damping=device.constant)), None
 
 
 def _as_response(

@@ -21,7 +21,6 @@ from bridgectl.dampers.optimum.clairvoyant import Clairvoyant, clairvoyant
 from bridgectl.dampers.peak_value import PeakValue, peak_value
 from bridgectl.dampers.preset import preset
 from bridgectl.dampers.program import program
-from bridgectl.dampers.ramp_heights import RampHeights, ramp_heights
 from bridgectl.dampers.sensitivity import Sensitivity, program_sensitivity
 from bridgectl.dampers.strategy import SIGNALS, Strategy
 from bridgectl.dampers.tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
@@ -34,7 +33,6 @@ __all__ = [
     "Damper",
     "LoopResult",
     "PeakValue",
-    "RampHeights",
     "Sensitivity",
     "Strategy",
     "add",
@@ -53,7 +51,6 @@ __all__ = [
     "preset",
     "program",
     "program_sensitivity",
-    "ramp_heights",
     "selective_groundhook",
     "sh_add",
     "simulate_loop",

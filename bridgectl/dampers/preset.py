@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -14,12 +13,14 @@ from bridgectl._checks import FloatArray
 from bridgectl.dampers.actuator import bare_vehicle
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.cells import SAME_PLACE
+from bridgectl.linear.lift_off import LiftOffWarning
+from bridgectl.linear.response import linear_dafs
+from bridgectl.linear.runs import prepare
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
 from bridgectl.road.limits import evenly_spaced
-from bridgectl.simulate import LiftOffWarning, daf
-from bridgectl.surface.compute import RAMP_HEIGHT, ramp_surface
+from bridgectl.surface.compute import RAMP_HEIGHT, RampGrid, linear_surface
 
 
 class Preset(Strategy):
@@ -62,18 +63,14 @@ def _dafs(
     elevations: FloatArray,
 ) -> FloatArray:
     """DAF of roads of straight pieces, shape (n_roads, n_speeds)."""
-    start = float(stations[0])
-    where: Any = {"section": crossing.section, "recovery": crossing.recovery}
+    start, own = float(stations[0]), replace(crossing, vehicle=car)
     if not evenly_spaced(stations):  # unit ramps are all of one length
         roads = [RoadProfile(stations, z) for z in elevations]
-        return np.array([daf(crossing.beam, car, speeds, z, start=start, **where) for z in roads])
+        return np.array([linear_dafs(prepare(own, road, start), speeds) for road in roads])
     last = int(np.searchsorted(stations, crossing.beam.length - SAME_PLACE))
     step = float(stations[last] - start) / last
-    surface = ramp_surface(
-        crossing.beam, car, speeds, approach=-start, ramp_length=step,
-        ramp_height=min(step, RAMP_HEIGHT), **where,
-    )  # fmt: skip
-    return surface.superposed_daf(elevations[:, : last + 1])
+    grid = RampGrid(-start, step, min(step, RAMP_HEIGHT), last)
+    return linear_surface(own, speeds, grid).superposed_daf(elevations[:, : last + 1])
 
 
 def preset(c_min: float, c_max: float, *, n_dampings: int = 9) -> Preset:

@@ -43,10 +43,10 @@ from bridgectl.dampers.loop.steps import (
 )
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.dampers.program import program
+from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.model.beam import Beam
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
-from bridgectl.simulate import LiftOffWarning
 
 N_POINTS = len(POINTS)
 

@@ -7,6 +7,7 @@ the crossing goes on with the other set of tires.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from bridgectl._checks import FloatArray
+from bridgectl._warn import warn
 from bridgectl.linear.cells import GAUSS, N_STAGES, Cells, build_cells, road_rows
 from bridgectl.linear.runs import LIFT_OFF, Run
 from bridgectl.model.crossing import Crossing
@@ -23,6 +25,10 @@ EVENT_TOLERANCE = 1e-12
 
 GRAZING = 1e-3
 """After an event the next one is looked for from this fraction of the rest of the cell on."""
+
+
+class LiftOffWarning(UserWarning):
+    """A tire leaves the road: the crossing is not linear, and superposition not exact."""
 
 
 class Flight(NamedTuple):
@@ -193,3 +199,23 @@ def _event(
         return x + first * (end - x)
     fraction = brentq(margin, first, latest, xtol=EVENT_TOLERANCE)
     return x + fraction * (end - x)
+
+
+def warn_of_flight(place: float) -> None:
+    """Tell where the tire of one crossing first leaves the road [m]."""
+    warn(
+        f"a tire leaves the road, first with the reference tire at x = {place:.2f} m: "
+        "simulated with R >= 0; the crossing is not linear there",
+        LiftOffWarning,
+    )
+
+
+def warn_of_flights(flights: Mapping[float, float], n_speeds: int) -> None:
+    """Tell at which speeds [m/s] a tire leaves the road, if it does, and where first [m]."""
+    if flights:
+        warn(
+            f"a tire leaves the road at {len(flights)} of {n_speeds} speeds, the slowest "
+            f"{min(flights) * 3.6:.0f} km/h, the first place x = {min(flights.values()):.1f} m: "
+            "simulated there with R >= 0",
+            LiftOffWarning,
+        )

@@ -11,7 +11,7 @@ from bridgectl.extremes import extreme_road
 from bridgectl.paper import li2006
 from bridgectl.paper.printed import SEGMENT, SPEEDS_KMH
 from bridgectl.road import RoadProfile, iso8608_profile, utia_road
-from bridgectl.surface.compute import ramp_surface
+from bridgectl.simulate import ramp_surface
 from bridgectl.surface.surface import RampSurface
 
 FIRST, LAST = -200.0, 35.0

@@ -9,8 +9,7 @@ import numpy as np
 
 from bridgectl._checks import FloatArray
 from bridgectl.paper import li2006
-from bridgectl.simulate import daf
-from bridgectl.surface.compute import ramp_surface
+from bridgectl.simulate import daf, ramp_surface
 from bridgectl.surface.surface import RampSurface
 
 RECOVERY = "li2006"

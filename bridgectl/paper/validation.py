@@ -14,14 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._progress import track
+from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import linear_contact, prepare
 from bridgectl.model.crossing import Crossing
 from bridgectl.paper import li2006
 from bridgectl.paper.good_roads import EXTREME_SPAN, good_roads
 from bridgectl.paper.printed import SEGMENT, SPEEDS_KMH
 from bridgectl.road import RoadProfile, iso8608_elevations
-from bridgectl.simulate import LiftOffWarning, crossing_response, daf
-from bridgectl.surface.compute import ramp_surface
+from bridgectl.simulate import crossing_response, daf, ramp_surface
 from bridgectl.surface.surface import RampSurface
 from bridgectl.surface.trust import TOLERANCE, dae_trust
 

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl.dampers import simulate_loop
 from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
 from bridgectl.road import iso8608_elevations
+from bridgectl.road.iso8608 import DEFAULT_BAND, Seed
 from bridgectl.surface.class_dae import ClassDae
 from bridgectl.surface.histories import FeedbackHistories
 
@@ -22,34 +24,74 @@ SAME_DAF = 2e-5
 """How much the smooth DAFs of one damper may differ: closed loops are as near to fine steps."""
 
 
-def calibrate(
+def calibrated_class_dae(
     surface: RampSurface,
-    closed: ClassDae,
-    mirror_pairs: int,
-    damper: Damper | Strategy | None,
     roughness: str | float,
-    **spectrum: Any,
+    mirror_pairs: int = 25,
+    *,
+    waviness: float = 2.0,
+    band: tuple[float, float] = DEFAULT_BAND,
+    level: str = "mean",
+    seed: Seed = 0,
+    damper: Damper | Strategy | None = None,
 ) -> ClassDae:
-    """Put the simulated mean of random roads and their mirror images in place of the closed form's.
+    """Put a simulated mean of random roads and their mirror images in place of the class DAE's.
+
+    The mean then is not DAE's but that of simulated DAFs, and so is any ranking by it. With odd
+    effects about it single roads are estimated better:
+    ``calibrated.mean + surface.ramps(roads) @ surface.odd_effect.T``.
 
     Parameters
     ----------
-    surface, closed
-        The surface, and what it gives in closed form.
-    mirror_pairs, damper, roughness
-        See `RampSurface.class_dae`.
-    spectrum
-        `seed`, `waviness`, `band` and `level` of `bridgectl.road.iso8608_elevations`.
+    surface : RampSurface
+        The surface.
+    roughness, waviness, band, level
+        See `bridgectl.iso8608_profile`.
+    mirror_pairs : int, optional
+        Number of random roads to simulate, each with its mirror image.
+    seed : int or numpy.random.Generator, optional
+        Of these roads: the same seed gives the same numbers.
+    damper : bridgectl.dampers.Damper or Strategy, optional
+        The semi-active damper that the surface was made with, to simulate.
+
+    Returns
+    -------
+    ClassDae
+        Its `sd` is in closed form, as ever.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `RampSurface.class_dae`; if there are fewer than two pairs, or `damper` is not that of
+        the surface.
+
+    Warns
+    -----
+    LiftOffWarning
+        As `RampSurface.superposed_daf`, of roads that are simulated.
+    UserWarning
+        If it takes minutes.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.scoring.calibration import calibrated_class_dae
+    >>> beam, car = bc.li2006.beam(), bc.li2006.car()
+    >>> hook = bc.dampers.bridgehook(beam, car, 1e3, 30e3)
+    >>> surface = bc.ramp_surface(
+    ...     beam, car, 30.0, approach=20, ramp_height="A", both_ways=True, every=10, damper=hook)
+    >>> found = calibrated_class_dae(surface, "A", damper=hook)
+    >>> print(f"{found.mean[0]:.2f}, standard error {found.standard_error[0]:.3f}")
+    1.08, standard error 0.002
     """
-    if mirror_pairs == 0:
-        raise ValueError("damper goes with roads that are simulated: type mirror_pairs=25")
-    if mirror_pairs == 1:
-        raise ValueError("mirror_pairs must be 0 or at least 2, for a standard error: type 25")
+    spectrum: Any = {"waviness": waviness, "band": band, "level": level}
+    closed = surface.class_dae(roughness, **spectrum)
+    count = _checks.integer("mirror_pairs", mirror_pairs, at_least=2)  # for a standard error
     step = surface.ramp_length
     length = step * len(surface.positions)
-    roads = iso8608_elevations(mirror_pairs, roughness, length, step, **spectrum)
+    roads = iso8608_elevations(count, roughness, length, step, seed=seed, **spectrum)
     mean, error = mirror_mean(surface, roads, damper)
-    return replace(closed, mean=mean, mirror_pairs=mirror_pairs, standard_error=error)
+    return replace(closed, mean=mean, mirror_pairs=count, standard_error=error)
 
 
 def mirror_mean(

@@ -14,11 +14,12 @@ import numpy as np
 
 from bridgectl._checks import FloatArray
 from bridgectl.dampers import Damper
+from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.model.crossing import Crossing
 from bridgectl.road import ramp_covariance
 from bridgectl.road.psd import CLASSES
-from bridgectl.simulate import LiftOffWarning
-from bridgectl.surface.compute import RAMP_LENGTH, between, class_height, ramp_surface
+from bridgectl.simulate import ramp_surface
+from bridgectl.surface.compute import RAMP_LENGTH, RampGrid, class_height
 from bridgectl.surface.histories import FeedbackHistories
 from bridgectl.surface.surface import RampSurface
 
@@ -91,12 +92,7 @@ def class_surface(
     part: dict[str, FloatArray],
 ) -> RampSurface:
     """Make the surface of what `class_part` returned."""
-    unit, rise = between(
-        positions, positions[::EVERY], np.array([part["daf_unit"], part["daf_rise"]])
-    )
-    return RampSurface(
-        crossing.beam, crossing.vehicle, crossing.section, crossing.recovery, "moment",
-        -float(positions[0]), RAMP_LENGTH, class_height(road_class, RAMP_LENGTH, len(positions)),
-        speeds, positions, part["daf_smooth"], unit, FeedbackHistories(strategy), rise,
-        EVERY,
-    )  # fmt: skip
+    height = class_height(road_class, RAMP_LENGTH, len(positions))
+    grid = RampGrid(-float(positions[0]), RAMP_LENGTH, height, len(positions), True, EVERY)
+    ramps = np.array([part["daf_unit"], part["daf_rise"]])
+    return grid.surface(crossing, speeds, part["daf_smooth"], ramps, FeedbackHistories(strategy))

@@ -50,7 +50,8 @@ from bridgectl.scoring.classes import (
     with_surface,
 )
 from bridgectl.scoring.file import Part, Parts, Shapes
-from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, ramp_surface
+from bridgectl.simulate import ramp_surface
+from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, RampGrid, count_ramps
 from bridgectl.surface.histories import FeedbackHistories
 from bridgectl.surface.surface import RampSurface
 
@@ -321,8 +322,8 @@ def _study(
     c = check.speeds(speeds)
     study = _Study(beam, vehicle, c, np.zeros(0), 0, np.zeros(0), section, recovery)
     _ = study.crossing  # what is wrong with beam, section or recovery is told first
-    n_ramps = int(np.ceil((before + beam.length) / RAMP_LENGTH - SAME_PLACE))
-    n_pieces = int(np.ceil((before + beam.length + after) / RAMP_LENGTH - SAME_PLACE))
+    n_ramps = count_ramps(before + beam.length)
+    n_pieces = count_ramps(before + beam.length + after)
     stations = -before + RAMP_LENGTH * np.arange(n_pieces + 1)
     for i, road in enumerate(roads, 1):
         road.require(-before, beam.length + after, f"the crossing, of road {i},", "approach")
@@ -426,7 +427,11 @@ def _part(study: _Study, damper: Damper, piece: Piece) -> Part:
 def _first_order(study: _Study, damper: Damper, run: RampsAndRoads) -> Part:
     """DAE of all roads, which comes with the first of them, and DAF of the smooth one."""
     if damper.kept is None:
-        surface = _surface(study, damper, run)
+        grid = RampGrid(-float(study.stations[0]), RAMP_LENGTH, RAMP_HEIGHT, study.n_ramps)
+        surface = grid.surface(
+            study.crossing, study.speeds, run.smooth, run.unit[np.newaxis],
+            FeedbackHistories(damper.strategy.name),
+        )  # fmt: skip
     else:  # exact, and quick
         surface = ramp_surface(
             study.beam, study.vehicle, study.speeds, approach=-float(study.stations[0]),
@@ -443,15 +448,6 @@ def _shapes(study: _Study, piece: Piece) -> Shapes:
     own = min(ROADS_AT_ONCE, n_roads - piece)
     shapes = {**dict.fromkeys(SIMULATED, (own, n_speeds)), "fourth_power_95": (own,)}
     return shapes if piece else shapes | {"dae": (n_roads, n_speeds), "daf_smooth": (n_speeds,)}
-
-
-def _surface(study: _Study, damper: Damper, run: RampsAndRoads) -> RampSurface:
-    """The ramp surface of a run."""
-    return RampSurface(
-        study.beam, study.vehicle, study.section, study.recovery, "moment",
-        -float(study.stations[0]), RAMP_LENGTH, RAMP_HEIGHT, study.speeds, study.positions,
-        run.smooth, run.unit, FeedbackHistories(damper.strategy.name),
-    )  # fmt: skip
 
 
 def _measure(study: _Study, damper: Damper, run: RampsAndRoads) -> Part:

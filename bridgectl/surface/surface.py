@@ -16,15 +16,15 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_roads
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import linear_contact, prepare
 from bridgectl.model.beam import Beam
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile, ramp_covariance
-from bridgectl.road.iso8608 import DEFAULT_BAND, Seed
+from bridgectl.road.iso8608 import DEFAULT_BAND
 from bridgectl.road.sampling import COARSE
-from bridgectl.simulate import daf
 from bridgectl.surface.class_dae import ClassDae, over_class
 from bridgectl.surface.histories import FeedbackHistories, Histories, superposed
 from bridgectl.surface.tire_contact import TireContact
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-    from bridgectl.dampers import Damper, Strategy
 
 Roads = RoadProfile | Sequence[RoadProfile] | ArrayLike
 """A road, several, or elevations at a surface's stations."""
@@ -294,9 +293,6 @@ class RampSurface:
         waviness: float = 2.0,
         band: tuple[float, float] = DEFAULT_BAND,
         level: str = "mean",
-        mirror_pairs: int = 0,
-        seed: Seed = 0,
-        damper: Damper | Strategy | None = None,
     ) -> ClassDae:
         """Mean and standard deviation of the DAE over the random roads of a class, closed form.
 
@@ -304,20 +300,10 @@ class RampSurface:
         of the unit ramp, the mean is DAF_smooth + sum_i e_i S_ii, the variance
         o' S o + 2 tr((E S)^2). Of the first order the mean is the smooth DAF.
 
-        With `mirror_pairs` the mean is not DAE's but that of simulated DAFs, and so is any ranking
-        by it. With odd effects about it single roads are estimated better:
-        ``calibrated.mean + surface.ramps(roads) @ surface.odd_effect.T``.
-
         Parameters
         ----------
         roughness, waviness, band, level
             See `bridgectl.iso8608_profile`.
-        mirror_pairs : int, optional
-            Number of random roads to simulate for the mean, each with its mirror image.
-        seed : int or numpy.random.Generator, optional
-            Of these roads: the same seed gives the same numbers.
-        damper : bridgectl.dampers.Damper or Strategy, optional
-            The semi-active damper that the surface was made with, to simulate.
 
         Returns
         -------
@@ -326,15 +312,7 @@ class RampSurface:
         Raises
         ------
         TypeError, ValueError
-            As `bridgectl.iso8608_profile`, of a class that there is not for example; if `damper` is
-            not that of the surface.
-
-        Warns
-        -----
-        LiftOffWarning
-            As `superposed_daf`, of roads that are simulated.
-        UserWarning
-            If it takes minutes.
+            As `bridgectl.iso8608_profile`, of a class that there is not for example.
 
         Examples
         --------
@@ -349,30 +327,13 @@ class RampSurface:
         ...     print(f"{surface.class_dae('A').mean[0]:.2f}, smooth {surface.daf_smooth[0]:.2f}")
         1.14, smooth 1.14
         1.10, smooth 1.13
-
-        The simulated mean of the latter:
-
-        >>> calibrated = surface.class_dae("A", mirror_pairs=25, damper=damper)
-        >>> print(f"{calibrated.mean[0]:.2f}, standard error {calibrated.standard_error[0]:.3f}")
-        1.08, standard error 0.002
         """
         covariance = ramp_covariance(
             roughness, len(self.positions), self.ramp_length, waviness=waviness, band=band,
             level=level,
         )  # fmt: skip
         effects = self._effects(1 if self.daf_rise is None else 2)
-        closed = over_class(
-            self.speeds, self.daf_smooth, *effects, covariance / self.ramp_height**2
-        )
-        if _checks.integer("mirror_pairs", mirror_pairs, at_least=0) == 0 and damper is None:
-            return closed
-        # Late, for dampers lie above this module.
-        from bridgectl.scoring.calibration import calibrate
-
-        return calibrate(
-            self, closed, mirror_pairs, damper, roughness,
-            seed=seed, waviness=waviness, band=band, level=level,
-        )  # fmt: skip
+        return over_class(self.speeds, self.daf_smooth, *effects, covariance / self.ramp_height**2)
 
     def contributions(self, road: RoadProfile | ArrayLike, *, order: int = 1) -> FloatArray:
         """What each ramp of one road adds to its DAE, the terms of Eq. (15).
@@ -441,11 +402,8 @@ class RampSurface:
         values = np.hstack([self._superposed(part) for part in road_parts(drops.T)])
         for road in np.nonzero(~np.isfinite(values).all(axis=0))[0]:
             again = ~np.isfinite(values[:, road])
-            values[again, road] = daf(
-                self.beam, self.vehicle, self.speeds[again], self.road(drops[road]),
-                start=-self.approach, section=self.section, recovery=self.recovery,
-                effect=self.effect,
-            )  # fmt: skip
+            run = prepare(self._crossing(), self.road(drops[road]), -self.approach)
+            values[again, road] = linear_dafs(run, self.speeds[again])
         return np.asarray(values.T if scales.ndim == 2 else values[:, 0])
 
     def _superposed(self, drops: FloatArray) -> FloatArray:

@@ -20,11 +20,12 @@ from bridgectl.dampers.loop.steps import SUSPENSION
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.cells import SAME_PLACE, merge_places
+from bridgectl.linear.lift_off import LiftOffWarning, warn_of_flight, warn_of_flights
 from bridgectl.linear.runs import Run
 from bridgectl.model.crossing import Crossing
-from bridgectl.simulate import LiftOffWarning, warn_of_flight, warn_of_flights
-from bridgectl.surface.compute import ramp_surface
+from bridgectl.surface.compute import RampGrid, linear_surface
 from bridgectl.surface.histories import FeedbackHistories
+from bridgectl.surface.surface import RampSurface
 
 
 def damped_dafs(run: Run, damper: Damper, speeds: FloatArray) -> FloatArray:
@@ -109,56 +110,30 @@ class RampsAndRoads(NamedTuple):
     """Number of crossings of a ramp whose tire leaves the road."""
 
 
-def ramp_dafs(
-    crossing: Crossing,
-    damper: Damper | Strategy,
-    speeds: FloatArray,
-    edges: FloatArray,
-    heights: FloatArray,
-    every: int,
-) -> tuple[FloatArray, FloatArray, FeedbackHistories]:
-    """Return DAFs of a smooth road and of ramps of several heights, and what stands for histories.
+def damped_surface(
+    crossing: Crossing, damper: Damper, speeds: FloatArray, grid: RampGrid
+) -> RampSurface:
+    """Return the surface of a damper that is not constant: see `bridgectl.ramp_surface`.
 
     Parameters
     ----------
     crossing : Crossing
         The crossing; its speed does not count.
-    damper : Damper or Strategy
+    damper : Damper
         The damper.
     speeds : ndarray, shape (n_speeds,)
         Speeds [m/s].
-    edges : ndarray, shape (n_ramps + 1,)
-        Ends of the ramps [m].
-    heights : ndarray, shape (n_heights,)
-        Drops over a ramp [m].
-    every : int
-        Ramps start at each so many-th of the edges.
-
-    Returns
-    -------
-    daf_smooth, daf_ramps, histories
-        Shapes (n_speeds,), (n_heights, n_speeds, n_places), and an object.
+    grid : RampGrid
+        The ramps.
     """
-    device = as_damper(damper)
-    histories = FeedbackHistories(device.strategy.name)
-    if device.kept is not None:
-        surfaces = [
-            ramp_surface(
-                crossing.beam, replace(bare_vehicle(crossing.vehicle), damping=float(c)), speeds,
-                approach=-float(edges[0]), ramp_length=float(edges[1] - edges[0]),
-                ramp_height=float(heights[0]), both_ways=len(heights) > 1,
-                section=crossing.section, recovery=crossing.recovery,
-            )
-            for c in device.kept
-        ]  # fmt: skip
-        names = ("daf_unit", "daf_rise")[: len(heights)]
-        best = [np.min([getattr(s, name) for s in surfaces], axis=0) for name in names]
-        smooth = np.min([surface.daf_smooth for surface in surfaces], axis=0)
-        return smooth, np.array(best)[..., ::every], histories
-    starts = np.arange(0, len(edges) - 1, every)
-    kept = np.unique([*starts, *(starts + 1), len(edges) - 1])  # steps end at stations
+    histories = FeedbackHistories(damper.strategy.name)
+    if damper.kept is not None:
+        smooth, ramps = _best_kept(crossing, damper.kept, speeds, grid)
+        return grid.surface(crossing, speeds, smooth, ramps, histories)
+    heights, starts = grid.heights, np.arange(0, grid.n_ramps, grid.every)
+    kept = np.unique([*starts, *(starts + 1), grid.n_ramps])  # steps end at stations
     found = ramps_and_roads(
-        crossing, device, speeds, edges[kept],
+        crossing, damper, speeds, grid.edges[kept],
         np.repeat(np.searchsorted(kept, starts), len(heights)), np.tile(heights, len(starts)),
     )  # fmt: skip
     if found.flights:
@@ -168,7 +143,22 @@ def ramp_dafs(
             LiftOffWarning,
         )
     ramps = np.moveaxis(found.unit.reshape(len(speeds), -1, len(heights)), -1, 0)
-    return found.smooth, ramps, histories
+    return grid.surface(crossing, speeds, found.smooth, ramps, histories)
+
+
+def _best_kept(
+    crossing: Crossing, dampings: FloatArray, speeds: FloatArray, grid: RampGrid
+) -> tuple[FloatArray, FloatArray]:
+    """DAFs of the smooth road and of ramps, of the best of dampings that a crossing keeps."""
+    bare, dense = bare_vehicle(crossing.vehicle), replace(grid, every=1)
+    surfaces = [
+        linear_surface(replace(crossing, vehicle=replace(bare, damping=float(c))), speeds, dense)
+        for c in dampings
+    ]
+    names = ("daf_unit", "daf_rise")[: len(grid.heights)]
+    best = [np.min([getattr(s, name) for s in surfaces], axis=0) for name in names]
+    smooth = np.min([surface.daf_smooth for surface in surfaces], axis=0)
+    return smooth, np.array(best)[..., :: grid.every]
 
 
 @on_one_thread
@@ -187,7 +177,7 @@ def ramps_and_roads(
     Parameters
     ----------
     crossing, damper, speeds
-        As `ramp_dafs`.
+        The crossing, whose speed does not count; the damper; speeds [m/s], shape (n_speeds,).
     stations : ndarray, shape (n,)
         Stations of the roads [m].
     starts : ndarray of int, shape (n_ramps,)

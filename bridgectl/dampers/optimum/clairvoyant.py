@@ -36,13 +36,13 @@ from bridgectl.dampers.loop.damped import simulate_run
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.optimum.steps import Steps, join, march
 from bridgectl.dampers.strategy import Strategy, damping_bounds
+from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import prepare
 from bridgectl.model.beam import Beam
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
 from bridgectl.road.events import require_road
-from bridgectl.simulate import LiftOffWarning
 
 STEPS = (5e-3, 2.5e-3, 1.25e-3)
 """Longest steps to try [s], until the closed loop agrees: their error falls with the square."""

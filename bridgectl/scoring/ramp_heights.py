@@ -16,7 +16,8 @@ from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.beam import Beam
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
-from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, ramp_surface
+from bridgectl.simulate import ramp_surface
+from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH
 
 N_RISING = 40
 """Heights above 0, and as many below, but for those of the unit ramp."""
@@ -121,7 +122,8 @@ def ramp_heights(
 
     >>> import numpy as np
     >>> import bridgectl as bc
-    >>> from bridgectl.dampers import bridgehook, ramp_heights
+    >>> from bridgectl.dampers import bridgehook
+    >>> from bridgectl.scoring.ramp_heights import ramp_heights
     >>> beam, car = bc.li2006.beam(), bc.li2006.car()
     >>> found = ramp_heights(beam, car, bridgehook(beam, car, 1e3, 30e3), 25.0, -35.0)
     >>> for estimate in (found.first_order, found.second_order):

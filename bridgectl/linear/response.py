@@ -1,0 +1,136 @@
+"""The engine of linear crossings: responses and peaks of one road at many speeds.
+
+Two routes lead to them: exact cells, and the control library, which they are compared with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from bridgectl._checks import FloatArray
+from bridgectl._progress import track
+from bridgectl.linear.cells import (
+    SAME_PLACE,
+    SAMPLES,
+    bridge_entry,
+    merge_places,
+    sample_positions,
+)
+from bridgectl.linear.estimates import require_crossing
+from bridgectl.linear.lift_off import fly, warn_of_flight, warn_of_flights
+from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.runs import (
+    Run,
+    at_nodes,
+    effect_samples,
+    first_flight,
+    lifts_off,
+    propagate,
+    simulate_reference,
+    speed_batches,
+)
+
+METHODS = ("propagator", "control")
+
+
+def linear_response(
+    run: Run, asked: FloatArray | None, method: str
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return places, states and tire forces of one crossing, at places [m] or where cells end.
+
+    Parameters
+    ----------
+    run : Run
+        The crossing and its road.
+    asked : ndarray, shape (m,), or None
+        Places of the reference tire [m].
+    method : {'propagator', 'control'}
+        Which route.
+
+    Returns
+    -------
+    positions, states, forces : ndarray, shapes (m,), (n, m) and (n_tires, m)
+    """
+    crossing, speed = run.crossing, np.array([run.crossing.speed])
+    tail = (run.end - crossing.exit) / crossing.speed
+    require_crossing(run, speed, tail=tail, refine=4)
+    nodes = run.nodes(crossing.speed, refine=4)
+    keep = np.arange(len(nodes))
+    if asked is not None:
+        nodes = merge_places(np.concatenate([asked, nodes]))
+        keep = np.searchsorted(nodes, asked - SAME_PLACE)
+    if method == "control":
+        states, forces = simulate_reference(run, nodes)
+    else:
+        stretches = propagate(run, speed, nodes)
+        if not lifts_off(crossing, stretches)[0]:
+            return nodes[keep], *at_nodes(crossing, stretches, keep)
+        flight = fly(run, nodes)
+        # The places of lift-offs and landings are among its nodes.
+        keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
+        nodes, states, forces = flight.nodes, flight.states, flight.forces
+    place = first_flight(nodes, forces)
+    if place is not None:
+        warn_of_flight(place)
+    return nodes[keep], states[:, keep], forces[:, keep]
+
+
+def linear_dafs(
+    run: Run, speeds: FloatArray, method: str = "propagator", progress: bool = True
+) -> FloatArray:
+    """Return the peak of the crossing's effect over its static peak, shape (n_speeds,).
+
+    Parameters
+    ----------
+    run : Run
+        The crossing, whose own speed does not count, and its road.
+    speeds : ndarray, shape (n_speeds,)
+        Speeds [m/s].
+    method : {'propagator', 'control'}
+        Which route.
+    progress : bool, optional
+        Whether a progress bar shows on a terminal.
+    """
+    crossing = run.crossing
+    require_crossing(run, speeds)
+    result = np.empty(speeds.size)
+    linear = np.zeros(speeds.size, dtype=bool)
+    if method == "propagator":
+        batches = list(speed_batches(run, speeds))
+        for batch in track(batches, "Simulating crossings", len(batches), show=progress):
+            stretches = propagate(run, speeds[batch], run.nodes(speeds[batch].min()))
+            result[batch] = find_peaks(effect_samples(crossing, stretches[-1]).T).values
+            linear[batch] = ~lifts_off(crossing, stretches)
+    simulate = _flying_peak if method == "propagator" else _reference_peak
+    flights = {}
+    flying = np.nonzero(~linear)[0]
+    for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
+        at_speed = run._replace(crossing=replace(crossing, speed=float(speeds[i])))
+        result[i], place = simulate(at_speed)
+        if place is not None:
+            flights[float(speeds[i])] = place
+    warn_of_flights(flights, speeds.size)
+    return result
+
+
+def _flying_peak(run: Run) -> tuple[float, float | None]:
+    """DAF with the tires kept from pulling, and where one first leaves the road."""
+    flight = fly(run, run.nodes(run.crossing.speed))
+    return _peak(flight.effects, flight.nodes), first_flight(flight.nodes, flight.forces)
+
+
+def _reference_peak(run: Run) -> tuple[float, float | None]:
+    """The same by the reference route."""
+    nodes = run.nodes(run.crossing.speed)
+    positions = sample_positions(nodes)
+    states, forces = simulate_reference(run, positions)
+    effect = run.crossing.values(positions, states.T, forces.T)
+    return _peak(effect, nodes), first_flight(positions, forces)
+
+
+def _peak(samples: FloatArray, nodes: FloatArray) -> float:
+    """Peak of an effect on the bridge, from its samples on the approach and the bridge."""
+    before = len(SAMPLES) * bridge_entry(nodes)
+    return float(find_peaks(samples[before:, np.newaxis]).values[0])
