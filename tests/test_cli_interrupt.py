@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 import bridgectl.cli.main
+from bridgectl import _workers
 from bridgectl.__main__ import main
-from bridgectl.scoring import run as scoring
 
 SCORE = [
     "score", "--random", "1", "--strategies", "skyhook,groundhook,hybrid,ADD", "--approach", "30",
@@ -127,7 +127,7 @@ def test_ctrl_c_while_workers_start_is_felt_when_all_have_started():
     started = []
 
     def start():
-        with scoring._deaf_to_ctrl_c():
+        with _workers.deaf_to_ctrl_c():
             signal.raise_signal(signal.SIGINT)
             assert signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
             started.append("all")
@@ -144,7 +144,7 @@ def test_a_thread_leaves_ctrl_c_to_the_main_one():
     found = []
 
     def start():
-        with scoring._deaf_to_ctrl_c():
+        with _workers.deaf_to_ctrl_c():
             found.append(signal.getsignal(signal.SIGINT))
 
     thread = threading.Thread(target=start)

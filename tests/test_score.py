@@ -226,7 +226,7 @@ def test_other_roads_of_a_file_are_done_again(roads, tmp_path):
 
 
 def test_many_roads_are_scored_in_parts(roads, board, monkeypatch):
-    monkeypatch.setattr(scoring, "ROADS_AT_ONCE", 2)
+    monkeypatch.setattr("bridgectl.scoring.study.ROADS_AT_ONCE", 2)
     found = scored(roads, STRATEGIES[:2])
     assert found.values["daf"] == pytest.approx(board.values["daf"][:2], abs=1e-12)
     assert found.fourth_power_95 == pytest.approx(board.fourth_power_95[:2], abs=1e-9)

@@ -7,18 +7,10 @@ of the height of the roads' classes, give the DAE of second order, over each cla
 
 from __future__ import annotations
 
-import dataclasses
-import hashlib
-import json
 import os
-import signal
-import sys
-import threading
-from collections.abc import Generator, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,17 +21,15 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._progress import shows, track
 from bridgectl._threads import on_one_thread
+from bridgectl._workers import in_processes
 from bridgectl.dampers import Damper, Strategy
-from bridgectl.dampers.actuator import as_damper, bare_vehicle
+from bridgectl.dampers.actuator import bare_vehicle
 from bridgectl.dampers.loop.damped import RampsAndRoads, ramps_and_roads
 from bridgectl.dampers.loop.work import require_loop
-from bridgectl.linear.cells import SAME_PLACE
 from bridgectl.measures.weighting import weighted_rms
 from bridgectl.model.beam import Beam
-from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
-from bridgectl.road.sampling import warn_if_coarse
 from bridgectl.scoring.board import MEASURES, Scoreboard
 from bridgectl.scoring.classes import (
     class_part,
@@ -47,64 +37,29 @@ from bridgectl.scoring.classes import (
     class_surface,
     classes_of,
     n_class_ramps,
-    with_surface,
 )
 from bridgectl.scoring.file import Part, Parts, Shapes
+from bridgectl.scoring.study import (
+    ROADS_AT_ONCE,
+    Piece,
+    Study,
+    checked_devices,
+    header,
+    key,
+    make_study,
+    task_name,
+)
 from bridgectl.simulate import ramp_surface
-from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, RampGrid, count_ramps
+from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, RampGrid
 from bridgectl.surface.histories import FeedbackHistories
 from bridgectl.surface.surface import RampSurface
 
 RECORDED = ("tire_force", "body_acceleration", "suspension_travel")
 
-ROADS_AT_ONCE = 50
-"""Roads of one part of the work: what an interruption may cost, and memory for histories."""
-
-Piece = int | str
-"""A part of the work: the first of some roads, or a road class."""
-
 SIMULATED = tuple(name for name in MEASURES if not name.startswith("dae"))
 
 CELL = 0.25
 """Length of the places whose aggregate fourth power is taken [m]; longer than a sample's way."""
-
-
-@dataclass(frozen=True)
-class _Study:
-    """What all parts of the work share."""
-
-    beam: Beam
-    vehicle: QuarterCar
-    speeds: FloatArray
-    stations: FloatArray
-    n_ramps: int
-    elevations: FloatArray
-    section: float
-    recovery: str
-
-    @property
-    def crossing(self) -> Crossing:
-        return Crossing(self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery)
-
-    @property
-    def positions(self) -> FloatArray:
-        """Starts of the unit ramps [m]."""
-        return self.stations[: self.n_ramps]
-
-    @property
-    def under_ramps(self) -> FloatArray:
-        """Elevations at the ends of the unit ramps [m], (n_roads, n_ramps + 1)."""
-        return self.elevations[:, : self.n_ramps + 1]
-
-    @cached_property
-    def classes(self) -> tuple[str, ...]:
-        """Road classes that have a surface."""
-        return with_surface(classes_of(self.under_ramps), self.n_ramps)
-
-    @property
-    def pieces(self) -> list[Piece]:
-        """What is done at once of each strategy."""
-        return [*range(0, len(self.elevations), ROADS_AT_ONCE), *self.classes]
 
 
 def score(
@@ -190,8 +145,8 @@ def score(
         raise TypeError(
             f'resume must name a file, got {type(resume).__name__}: type resume="score.jsonl"'
         )
-    devices = _devices(dampers)
-    study = _study(beam, vehicle, roads, speeds, approach, departure, section, recovery)
+    devices = checked_devices(dampers)
+    study = make_study(beam, vehicle, roads, speeds, approach, departure, section, recovery)
     judge_crossing(study.crossing, study.speeds, *roads)
     judge_range(vehicle, *devices)
     bare = replace(study.crossing, vehicle=bare_vehicle(vehicle))
@@ -201,15 +156,15 @@ def score(
         n_recorded=len(RECORDED), at_once=ROADS_AT_ONCE, announced=not shows(progress),
     )  # fmt: skip
     jobs = {
-        (_task(device, piece, len(roads)), _key(device, study, piece)): (study, device, piece)
+        (task_name(device, piece, len(roads)), key(device, study, piece)): (study, device, piece)
         for device in devices
         for piece in study.pieces
     }
     shapes = {task: _shapes(study, piece) for task, (_, _, piece) in jobs.items()}
-    with Parts(resume, _header(study), shapes) as parts:
+    with Parts(resume, header(study), shapes) as parts:
         todo = [task for task in jobs if task not in parts]
         workers = check.workers(workers, len(todo))
-        with closing(_run([jobs[task] for task in todo], workers)) as found:
+        with closing(in_processes(_part, [jobs[task] for task in todo], workers)) as found:
             for index, part in track(found, "Scoring strategies", len(todo), show=progress):
                 parts.keep(*todo[index], part)
         done = {(job[1].strategy.name, job[2]): parts[task] for task, job in jobs.items()}
@@ -217,7 +172,7 @@ def score(
 
 
 def _scoreboard(
-    study: _Study,
+    study: Study,
     devices: Sequence[Damper],
     roads: Sequence[RoadProfile],
     done: Mapping[tuple[str, Piece], Part],
@@ -263,151 +218,13 @@ def _second_order(
     return found
 
 
-def _task(device: Damper, piece: Piece, n_roads: int) -> str:
-    """What a piece of the work is called."""
-    what = f"class {piece}" if isinstance(piece, str) else (
-        f"roads {piece + 1} to {min(piece + ROADS_AT_ONCE, n_roads)}"
-    )  # fmt: skip
-    return f"{device.strategy.name}, {what}"
-
-
-def _listed(value: object) -> bool:
-    return isinstance(value, Sequence) and not isinstance(value, str)
-
-
-def _devices(dampers: Sequence[Damper | Strategy]) -> list[Damper]:
-    """Check the strategies."""
-    if isinstance(dampers, Damper | Strategy):
-        raise TypeError("dampers must be a list of strategies, got one: type [damper]")
-    if not _listed(dampers):
-        raise TypeError(
-            f"dampers must be a list of strategies, got {type(dampers).__name__}: type "
-            "[bridgectl.dampers.passive(7e3), bridgectl.dampers.skyhook(1e3, 30e3)]"
-        )
-    devices = [as_damper(damper) for damper in dampers]
-    if not devices:
-        raise ValueError(
-            "dampers must hold a strategy, got none: type [bridgectl.dampers.passive(7e3)]"
-        )
-    names = [device.strategy.name for device in devices]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise ValueError(
-            f"dampers must have different names, got {twice!r} twice: type "
-            f'strategy.renamed("{twice}, other")'
-        )
-    return devices
-
-
-def _study(
-    beam: Beam,
-    vehicle: QuarterCar,
-    roads: Sequence[RoadProfile],
-    speeds: ArrayLike,
-    approach: float,
-    departure: float,
-    section: float,
-    recovery: str,
-) -> _Study:
-    """Check what all strategies share, and lay the roads over common stations."""
-    before = check.not_negative("approach", approach, unit="m")
-    after = check.not_negative("departure", departure, unit="m")
-    bare_vehicle(vehicle)
-    if not _listed(roads) or not all(isinstance(road, RoadProfile) for road in roads):
-        raise TypeError(
-            "roads must be a list of RoadProfile: type [road], or [bridgectl.read_profile(path)]"
-        )
-    if not len(roads):
-        raise ValueError("roads must hold a road, got none: type [bridgectl.utia_road()]")
-    c = check.speeds(speeds)
-    study = _Study(beam, vehicle, c, np.zeros(0), 0, np.zeros(0), section, recovery)
-    _ = study.crossing  # what is wrong with beam, section or recovery is told first
-    n_ramps = count_ramps(before + beam.length)
-    n_pieces = count_ramps(before + beam.length + after)
-    stations = -before + RAMP_LENGTH * np.arange(n_pieces + 1)
-    for i, road in enumerate(roads, 1):
-        road.require(-before, beam.length + after, f"the crossing, of road {i},", "approach")
-        warn_if_coarse(road, "dynamic amplification")
-    elevations = np.array([np.interp(stations, road.x, road.elevation) for road in roads])
-    elevations -= elevations[:, :1]
-    _require_different(roads, elevations)
-    return replace(study, stations=stations, n_ramps=n_ramps, elevations=elevations)
-
-
-def _require_different(roads: Sequence[RoadProfile], elevations: FloatArray) -> None:
-    """Refuse a road that is given twice: it would look like more evidence than there is."""
-    first: dict[bytes, int] = {}
-    for i, heights in enumerate(np.round(elevations / SAME_PLACE), 1):
-        j = first.setdefault((heights + 0.0).tobytes(), i)  # not -0.0
-        if j != i:
-            raise ValueError(
-                f"roads {j} ({roads[j - 1].name!r}) and {i} ({roads[i - 1].name!r}) are the same, "
-                "and would count twice in confidence intervals: leave one out"
-            )
-
-
-def _run(
-    jobs: Sequence[tuple[_Study, Damper, Piece]], workers: int
-) -> Generator[tuple[int, Part], None, None]:
-    """Do the jobs, as many at once as there are workers; yield what is done, with its index."""
-    if workers == 1:
-        for index, job in enumerate(jobs):
-            yield index, _part(*job)
-        return
-    import joblib  # late, as it is slow to load
-
-    parallel, found = joblib.Parallel(workers, return_as="generator_unordered"), None
-    try:
-        with _deaf_to_ctrl_c():
-            found = parallel(joblib.delayed(_numbered)(i, *job) for i, job in enumerate(jobs))
-        for each in found:  # noqa: UP028 - "yield from" would let joblib warn of being ended
-            yield each
-    finally:
-        if found is not None:
-            with suppress(KeyboardInterrupt):  # of which joblib says nothing, and ends the workers
-                found.throw(KeyboardInterrupt)
-
-
-@contextmanager
-def _deaf_to_ctrl_c() -> Iterator[None]:
-    """Start processes that Ctrl-C does not reach; here it is felt when all have started.
-
-    It goes to all processes of a terminal. Workers would each tell of it, and those that are not
-    yet known to the process that starts them would be left; as it is, that one ends them.
-    """
-    if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    from multiprocessing import resource_tracker
-
-    from joblib.externals.loky.backend import resource_tracker as loky_tracker
-
-    for tracker in (resource_tracker, loky_tracker):  # when they start, they unblock the signal
-        tracker.ensure_running()
-    heard: list[int] = []
-    # Processes inherit what is blocked; of this one, other threads may still take the signal.
-    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
-    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
-        signal.signal(signal.SIGINT, handler)
-        for number in heard[:1]:
-            signal.raise_signal(number)
-
-
-def _numbered(index: int, *job: Any) -> tuple[int, Part]:
-    return index, _part(*job)
-
-
 @on_one_thread  # as in workers: sums over threads differ in the last digits
-def _part(study: _Study, damper: Damper, piece: Piece) -> Part:
+def _part(study: Study, damper: Damper, piece: Piece) -> Part:
     """Score one strategy on a class, or on some roads: arrays (roads, speeds) of every measure."""
     if isinstance(piece, str):
         approach = -float(study.stations[0])
         return class_part(study.crossing, damper, study.speeds, approach, piece)
-    elevations = study.elevations[piece : piece + ROADS_AT_ONCE]
+    elevations = study.elevations[study.roads_of(piece)]
     ramps = np.arange(study.n_ramps if piece == 0 and damper.kept is None else 0)
     run = ramps_and_roads(
         study.crossing, damper, study.speeds, study.stations, ramps,
@@ -424,7 +241,7 @@ def _part(study: _Study, damper: Damper, piece: Piece) -> Part:
     return part if piece else part | _first_order(study, damper, run)
 
 
-def _first_order(study: _Study, damper: Damper, run: RampsAndRoads) -> Part:
+def _first_order(study: Study, damper: Damper, run: RampsAndRoads) -> Part:
     """DAE of all roads, which comes with the first of them, and DAF of the smooth one."""
     if damper.kept is None:
         grid = RampGrid(-float(study.stations[0]), RAMP_LENGTH, RAMP_HEIGHT, study.n_ramps)
@@ -440,17 +257,17 @@ def _first_order(study: _Study, damper: Damper, run: RampsAndRoads) -> Part:
     return {"dae": surface.dae(study.under_ramps), "daf_smooth": surface.daf_smooth}
 
 
-def _shapes(study: _Study, piece: Piece) -> Shapes:
+def _shapes(study: Study, piece: Piece) -> Shapes:
     """Names and shapes of what `_part` returns."""
     n_roads, n_speeds = len(study.elevations), len(study.speeds)
     if isinstance(piece, str):
         return class_shapes(n_speeds, study.n_ramps)
-    own = min(ROADS_AT_ONCE, n_roads - piece)
+    own = len(study.elevations[study.roads_of(piece)])
     shapes = {**dict.fromkeys(SIMULATED, (own, n_speeds)), "fourth_power_95": (own,)}
     return shapes if piece else shapes | {"dae": (n_roads, n_speeds), "daf_smooth": (n_speeds,)}
 
 
-def _measure(study: _Study, damper: Damper, run: RampsAndRoads) -> Part:
+def _measure(study: Study, damper: Damper, run: RampsAndRoads) -> Part:
     """Measures of the histories: arrays (roads, speeds), and the roads' fourth power."""
     load = study.vehicle.linear.static_loads[0]
     columns: dict[str, list[FloatArray]] = {
@@ -475,32 +292,3 @@ def _measure(study: _Study, damper: Damper, run: RampsAndRoads) -> Part:
         **{name: np.array(column).T for name, column in columns.items()},
         "fourth_power_95": np.percentile(places, 95, axis=-1),
     }
-
-
-def _header(study: _Study) -> dict[str, Any]:
-    """What two studies share if their parts fit together."""
-    return {
-        "beam": dataclasses.asdict(study.beam),
-        "vehicle": dataclasses.asdict(study.vehicle),
-        "speeds": study.speeds.tolist(),
-        "stations": [study.stations[0], study.stations[-1], len(study.stations)],
-        "section": study.section,
-        "recovery": study.recovery,
-    }
-
-
-def _key(damper: Damper, study: _Study, piece: Piece) -> str:
-    """Tell a damper, and the roads if the piece is of them, from others: their text, shortened."""
-    ends = [damper.strategy.for_speed(float(c)) for c in study.speeds[[0, -1]]]
-    text = json.dumps(
-        [
-            repr(damper.strategy),  # what a strategy chooses gains from is in no function
-            [law.function.serialize() for law in ends],
-            damper.strategy.gains,
-            [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
-        ]
-    )
-    whole = hashlib.sha256(text.encode())
-    if not isinstance(piece, str):
-        whole.update(np.ascontiguousarray(study.elevations).tobytes())
-    return whole.hexdigest()[:16]

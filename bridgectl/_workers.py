@@ -1,0 +1,67 @@
+"""Work in several processes, which one Ctrl-C ends."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+
+def in_processes(
+    work: Callable[..., T], jobs: Sequence[tuple[Any, ...]], workers: int
+) -> Generator[tuple[int, T], None, None]:
+    """Do the jobs, as many at once as there are workers; yield what is done, with its index."""
+    if workers == 1:
+        for index, job in enumerate(jobs):
+            yield index, work(*job)
+        return
+    import joblib  # late, as it is slow to load
+
+    parallel, found = joblib.Parallel(workers, return_as="generator_unordered"), None
+    try:
+        with deaf_to_ctrl_c():
+            found = parallel(joblib.delayed(_numbered)(i, work, *job) for i, job in enumerate(jobs))
+        for each in found:  # noqa: UP028 - "yield from" would let joblib warn of being ended
+            yield each
+    finally:
+        if found is not None:
+            with suppress(KeyboardInterrupt):  # of which joblib says nothing, and ends the workers
+                found.throw(KeyboardInterrupt)
+
+
+@contextmanager
+def deaf_to_ctrl_c() -> Iterator[None]:
+    """Start processes that Ctrl-C does not reach; here it is felt when all have started.
+
+    It goes to all processes of a terminal. Workers would each tell of it, and those that are not
+    yet known to the process that starts them would be left; as it is, that one ends them.
+    """
+    if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    from joblib.externals.loky.backend import resource_tracker as loky_tracker
+
+    for tracker in (resource_tracker, loky_tracker):  # when they start, they unblock the signal
+        tracker.ensure_running()
+    heard: list[int] = []
+    # Processes inherit what is blocked; of this one, other threads may still take the signal.
+    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+        signal.signal(signal.SIGINT, handler)
+        for number in heard[:1]:
+            signal.raise_signal(number)
+
+
+def _numbered(index: int, work: Callable[..., T], *job: Any) -> tuple[int, T]:
+    return index, work(*job)

@@ -1,0 +1,188 @@
+"""What is scored: strategies, roads over common stations, and the pieces of the work."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
+from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
+from bridgectl.dampers.strategy import Strategy
+from bridgectl.linear.cells import SAME_PLACE
+from bridgectl.model.beam import Beam
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.road import RoadProfile
+from bridgectl.road.sampling import warn_if_coarse
+from bridgectl.scoring.classes import classes_of, with_surface
+from bridgectl.surface.compute import RAMP_LENGTH, count_ramps
+
+ROADS_AT_ONCE = 50
+"""Roads of one part of the work: what an interruption may cost, and memory for histories."""
+
+Piece = int | str
+"""A part of the work: the first of some roads, or a road class."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """What all parts of the work share."""
+
+    beam: Beam
+    vehicle: QuarterCar
+    speeds: FloatArray
+    stations: FloatArray
+    n_ramps: int
+    elevations: FloatArray
+    section: float
+    recovery: str
+
+    @property
+    def crossing(self) -> Crossing:
+        """The crossing at the first speed, which does not count."""
+        return Crossing(self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery)
+
+    @property
+    def positions(self) -> FloatArray:
+        """Starts of the unit ramps [m]."""
+        return self.stations[: self.n_ramps]
+
+    @property
+    def under_ramps(self) -> FloatArray:
+        """Elevations at the ends of the unit ramps [m], (n_roads, n_ramps + 1)."""
+        return self.elevations[:, : self.n_ramps + 1]
+
+    @cached_property
+    def classes(self) -> tuple[str, ...]:
+        """Road classes that have a surface."""
+        return with_surface(classes_of(self.under_ramps), self.n_ramps)
+
+    def roads_of(self, first: int) -> slice:
+        """Those of the roads that a piece is of."""
+        return slice(first, first + ROADS_AT_ONCE)
+
+    @property
+    def pieces(self) -> list[Piece]:
+        """What is done at once of each strategy."""
+        return [*range(0, len(self.elevations), ROADS_AT_ONCE), *self.classes]
+
+
+def _listed(value: object) -> bool:
+    return isinstance(value, Sequence) and not isinstance(value, str)
+
+
+def checked_devices(dampers: Sequence[Damper | Strategy]) -> list[Damper]:
+    """Check the strategies."""
+    if isinstance(dampers, Damper | Strategy):
+        raise TypeError("dampers must be a list of strategies, got one: type [damper]")
+    if not _listed(dampers):
+        raise TypeError(
+            f"dampers must be a list of strategies, got {type(dampers).__name__}: type "
+            "[bridgectl.dampers.passive(7e3), bridgectl.dampers.skyhook(1e3, 30e3)]"
+        )
+    devices = [as_damper(damper) for damper in dampers]
+    if not devices:
+        raise ValueError(
+            "dampers must hold a strategy, got none: type [bridgectl.dampers.passive(7e3)]"
+        )
+    names = [device.strategy.name for device in devices]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise ValueError(
+            f"dampers must have different names, got {twice!r} twice: type "
+            f'strategy.renamed("{twice}, other")'
+        )
+    return devices
+
+
+def make_study(
+    beam: Beam,
+    vehicle: QuarterCar,
+    roads: Sequence[RoadProfile],
+    speeds: ArrayLike,
+    approach: float,
+    departure: float,
+    section: float,
+    recovery: str,
+) -> Study:
+    """Check what all strategies share, and lay the roads over common stations."""
+    before = check.not_negative("approach", approach, unit="m")
+    after = check.not_negative("departure", departure, unit="m")
+    bare_vehicle(vehicle)
+    if not _listed(roads) or not all(isinstance(road, RoadProfile) for road in roads):
+        raise TypeError(
+            "roads must be a list of RoadProfile: type [road], or [bridgectl.read_profile(path)]"
+        )
+    if not len(roads):
+        raise ValueError("roads must hold a road, got none: type [bridgectl.utia_road()]")
+    c = check.speeds(speeds)
+    study = Study(beam, vehicle, c, np.zeros(0), 0, np.zeros(0), section, recovery)
+    _ = study.crossing  # what is wrong with beam, section or recovery is told first
+    n_ramps = count_ramps(before + beam.length)
+    n_pieces = count_ramps(before + beam.length + after)
+    stations = -before + RAMP_LENGTH * np.arange(n_pieces + 1)
+    for i, road in enumerate(roads, 1):
+        road.require(-before, beam.length + after, f"the crossing, of road {i},", "approach")
+        warn_if_coarse(road, "dynamic amplification")
+    elevations = np.array([np.interp(stations, road.x, road.elevation) for road in roads])
+    elevations -= elevations[:, :1]
+    _require_different(roads, elevations)
+    return replace(study, stations=stations, n_ramps=n_ramps, elevations=elevations)
+
+
+def _require_different(roads: Sequence[RoadProfile], elevations: FloatArray) -> None:
+    """Refuse a road that is given twice: it would look like more evidence than there is."""
+    first: dict[bytes, int] = {}
+    for i, heights in enumerate(np.round(elevations / SAME_PLACE), 1):
+        j = first.setdefault((heights + 0.0).tobytes(), i)  # not -0.0
+        if j != i:
+            raise ValueError(
+                f"roads {j} ({roads[j - 1].name!r}) and {i} ({roads[i - 1].name!r}) are the same, "
+                "and would count twice in confidence intervals: leave one out"
+            )
+
+
+def task_name(device: Damper, piece: Piece, n_roads: int) -> str:
+    """What a piece of the work is called."""
+    what = f"class {piece}" if isinstance(piece, str) else (
+        f"roads {piece + 1} to {min(piece + ROADS_AT_ONCE, n_roads)}"
+    )  # fmt: skip
+    return f"{device.strategy.name}, {what}"
+
+
+def header(study: Study) -> dict[str, Any]:
+    """What two studies share if their parts fit together."""
+    return {
+        "beam": dataclasses.asdict(study.beam),
+        "vehicle": dataclasses.asdict(study.vehicle),
+        "speeds": study.speeds.tolist(),
+        "stations": [study.stations[0], study.stations[-1], len(study.stations)],
+        "section": study.section,
+        "recovery": study.recovery,
+    }
+
+
+def key(damper: Damper, study: Study, piece: Piece) -> str:
+    """Tell a damper, and the roads if the piece is of them, from others: their text, shortened."""
+    ends = [damper.strategy.for_speed(float(c)) for c in study.speeds[[0, -1]]]
+    text = json.dumps(
+        [
+            repr(damper.strategy),  # what a strategy chooses gains from is in no function
+            [law.function.serialize() for law in ends],
+            damper.strategy.gains,
+            [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
+        ]
+    )
+    whole = hashlib.sha256(text.encode())
+    if not isinstance(piece, str):
+        whole.update(np.ascontiguousarray(study.elevations).tobytes())
+    return whole.hexdigest()[:16]
