@@ -83,9 +83,23 @@ def simulate_loop(
     names = _names(record)
     judge_crossing(crossing, c)
     judge_range(vehicle, device)
-    require_loop(crossing, [device], c, x, len(z), n_recorded=len(names))
-    order = np.argsort(c, kind="stable")
-    return Loop(crossing, device, c[order], x, z, names).run().of_speeds(np.argsort(order))
+    return run_loop(crossing, device, c, x, z, names)
+
+
+def run_loop(
+    crossing: Crossing,
+    damper: Damper,
+    speeds: FloatArray,
+    stations: FloatArray,
+    elevations: FloatArray,
+    record: tuple[str, ...] = (),
+) -> LoopResult:
+    """Do what `simulate_loop` was asked for; the crossing is without the vehicle's own damper."""
+    n_roads = len(elevations)
+    require_loop(crossing, [damper], speeds, stations, n_roads, n_recorded=len(record))
+    order = np.argsort(speeds, kind="stable")
+    found = Loop(crossing, damper, speeds[order], stations, elevations, record).run()
+    return found.of_speeds(np.argsort(order))
 
 
 def checked_roads(

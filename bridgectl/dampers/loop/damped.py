@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
 from bridgectl._warn import warn
-from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
+from bridgectl.dampers.actuator import Damper, bare_vehicle
 from bridgectl.dampers.loop.advance import Ends
-from bridgectl.dampers.loop.closed_loop import simulate_loop
+from bridgectl.dampers.loop.closed_loop import run_loop
 from bridgectl.dampers.loop.loop import Loop
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.steps import SUSPENSION
 from bridgectl.dampers.loop.work import require_loop
-from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.cells import SAME_PLACE, merge_places
 from bridgectl.linear.lift_off import LiftOffWarning, warn_of_flight, warn_of_flights
 from bridgectl.linear.runs import Run
@@ -36,21 +35,17 @@ def damped_dafs(run: Run, damper: Damper, speeds: FloatArray) -> FloatArray:
     return found.daf[:, 0]
 
 
-def simulate_run(
-    run: Run, damper: Damper | Strategy, speeds: FloatArray | None = None
-) -> LoopResult:
+@on_one_thread
+def simulate_run(run: Run, damper: Damper, speeds: FloatArray | None = None) -> LoopResult:
     """Simulate one road at some speeds [m/s], by default the crossing's: see `simulate_loop`."""
-    crossing, x = run.crossing, _stations(run, np.zeros(0))
-    return simulate_loop(
-        crossing.beam, bare_vehicle(crossing.vehicle), damper,
-        crossing.speed if speeds is None else speeds, x, -run.road(x)[:, 0],
-        section=crossing.section, recovery=crossing.recovery,
-    )  # fmt: skip
+    x = _stations(run, np.zeros(0))
+    c = np.array([run.crossing.speed]) if speeds is None else speeds
+    return run_loop(_bare(run.crossing), damper, c, x, -run.road(x).T)
 
 
 @on_one_thread
 def damped_response(
-    run: Run, damper: Damper | Strategy, asked: FloatArray
+    run: Run, damper: Damper, asked: FloatArray
 ) -> tuple[Run, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return places, states, tire forces and damper forces of one crossing.
 
@@ -58,7 +53,7 @@ def damped_response(
     ----------
     run : Run
         The crossing and its road.
-    damper : Damper or Strategy
+    damper : Damper
         The damper.
     asked : ndarray
         Places [m] that are wanted; by default the ends of all steps.
@@ -71,9 +66,9 @@ def damped_response(
     """
     crossing = _bare(run.crossing)
     x = _stations(run, asked)
-    device, speed = as_damper(damper), np.array([crossing.speed])
-    require_loop(crossing, [device], speed, x, 1)
-    loop = Loop(crossing, device, speed, x, -run.road(x).T)
+    speed = np.array([crossing.speed])
+    require_loop(crossing, [damper], speed, x, 1)
+    loop = Loop(crossing, damper, speed, x, -run.road(x).T)
     places: list[float] = [x[0]]
     states: list[FloatArray] = [np.zeros(crossing.n_states)]
     forces, dampings = [loop.stepper.weight], [0.0]

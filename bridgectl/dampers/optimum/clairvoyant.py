@@ -30,7 +30,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
 from bridgectl._warn import warn
-from bridgectl.dampers.actuator import Damper, bare_vehicle
+from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
 from bridgectl.dampers.costate import costate
 from bridgectl.dampers.loop.damped import simulate_run
 from bridgectl.dampers.loop.result import LoopResult
@@ -203,7 +203,7 @@ def clairvoyant(
         best = tries[int(np.argmin(peaks))]
         found = steps.damping(best.shares)
         law = _open_loop(steps.positions, found, held, soft, stiff)
-        optimum = simulate_run(run, law)
+        optimum = simulate_run(run, as_damper(law))
         if _agrees(optimum, min(peaks)):
             break
     else:
@@ -213,7 +213,7 @@ def clairvoyant(
         )
     constant = np.full_like(found, own)
     law = _open_loop(steps.positions, constant, held, soft, stiff)
-    passive = float(simulate_run(run, law).daf[0, 0])
+    passive = float(simulate_run(run, as_damper(law)).daf[0, 0])
     lowest = float(optimum.daf[0, 0])
     if passive <= lowest:
         lowest, found, best = passive, constant, _Try(best.shares, NOT_SOLVED)
