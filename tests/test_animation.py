@@ -5,8 +5,8 @@ from matplotlib.animation import AbstractMovieWriter
 from PIL import Image
 
 import bridgectl as bc
+from bridgectl.animation import crossing_animation
 from bridgectl.dampers import skyhook
-from bridgectl.plots import crossing_animation
 
 SPEED = 25.0
 

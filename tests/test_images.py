@@ -29,13 +29,13 @@ from matplotlib.text import Text
 from PIL import Image
 
 import bridgectl as bc
-from bridgectl.dampers import passive, skyhook
+from bridgectl.animation import crossing_animation
+from bridgectl.dampers import passive, ramp_heights, skyhook
 from bridgectl.extremes import EqualRoughnessPair
 from bridgectl.paper.damper_validation import DamperCase
 from bridgectl.paper.printed import PaperResults
 from bridgectl.paper.validation import Case, ValidationResults, WarningLight
 from bridgectl.plots import (
-    crossing_animation,
     dae_figure,
     damper_validation_figure,
     lines_plot,
@@ -164,7 +164,8 @@ def dampers() -> Figure:
 def heights() -> Figure:
     beam, truck = beam_and_truck()
     laws = [passive(7e3), skyhook(1e3, 30e3)]
-    return ramp_height_figure(beam, truck, laws, 25.0, 5.0, approach=2)
+    found = [ramp_heights(beam, truck, law, 25.0, 5.0, approach=2) for law in laws]
+    return ramp_height_figure(found)
 
 
 def validation() -> Figure:

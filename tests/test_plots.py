@@ -1,8 +1,12 @@
+import ast
+from pathlib import Path
+
 import numpy as np
 import pytest
 from helpers import rough_road
 
 import bridgectl as bc
+from bridgectl import plots
 from bridgectl.extremes import equal_roughness_pair
 from bridgectl.paper.printed import paper_results
 from bridgectl.plots import (
@@ -134,3 +138,24 @@ def test_the_pair_figure_draws_both_roads_and_both_dafs(bridge, truck):
     assert all(text for text in labels(figure))
     curves = {line.get_label(): line.get_ydata() for line in figure.axes[2].lines}
     assert curves["case 2"] == pytest.approx(dafs[1])
+
+
+def test_figures_import_nothing_of_what_they_draw():
+    """But for modules of an underscore and each other: so any result may draw itself."""
+    for path in Path(plots.__file__).parent.glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = node.names if isinstance(node, ast.Import | ast.ImportFrom) else []
+            for name in names:
+                module = f"{getattr(node, 'module', '')}.{name.name}".strip(".")
+                ours = module.split(".")[0] == "bridgectl"
+                assert not ours or module.startswith(("bridgectl.plots.", "bridgectl._")), path.name
+
+
+@pytest.mark.parametrize("level", ["lower", "mean", "upper"])
+def test_a_spectrum_knows_the_classes_that_it_is_drawn_over(level):
+    """Their densities are those of the standard's own roughness, at n_0 and a decade above it."""
+    psd, i = bc.utia_road().psd(), ["lower", "mean", "upper"].index(level)
+    assert list(psd.classes) == list("ABCDEFGH")
+    for name, lines in psd.classes.items():
+        expected = bc.road.class_roughness(name, level)
+        assert lines[i].density([0.1, 1.0]) == pytest.approx([expected, expected / 100])

@@ -34,6 +34,7 @@ from bridgectl.scoring.board import MEASURES, ClassRow, Ranking, Scoreboard
 WITH_ALL = ("bridgectl", *(f"bridgectl.{m}" for m in ("dampers", "extremes", "plots", "road")))
 
 OFFERED = {
+    "bridgectl.animation": ["crossing_animation"],
     "bridgectl.paper.good_roads": ["good_roads"],
     "bridgectl.paper.li2006": ["beam", "car", "fig7_road"],
     "bridgectl.measures": [

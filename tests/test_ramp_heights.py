@@ -140,7 +140,7 @@ def test_the_first_and_the_last_place_and_those_between_are_taken(bridge, truck,
 @pytest.fixture(scope="module")
 def figure(bridge, truck):
     laws = [passive(7e3), bridgehook(bridge, truck, 1e3, 30e3)]
-    return ramp_height_figure(bridge, truck, laws, SPEED, PLACE)
+    return ramp_height_figure([ramp_heights(bridge, truck, law, SPEED, PLACE) for law in laws])
 
 
 def lines_of(axes):
@@ -175,7 +175,9 @@ def test_the_figure_draws_the_numbers(figure, found):
 
 def test_four_dampers_take_two_rows_and_flights_are_marked(bridge, truck):
     laws = [passive(c) for c in (3e3, 7e3, 12e3, 20e3)]
-    figure = ramp_height_figure(bridge, truck, laws, 22.0, 8.0, approach=5.0, largest=0.08)
+    figure = ramp_height_figure(
+        [ramp_heights(bridge, truck, law, 22.0, 8.0, approach=5.0, largest=0.08) for law in laws]
+    )
     assert len(figure.axes) == 4
     rows = {axes.get_subplotspec().rowspan.start for axes in figure.axes}
     assert rows == {0, 1}
@@ -201,24 +203,31 @@ def test_four_dampers_take_two_rows_and_flights_are_marked(bridge, truck):
         ({"largest": 0.0}, ValueError, "largest must be above 0"),
         ({"ramp_height": "Z"}, ValueError, "one of 'A'"),
         ({"ramp_height": 13.0}, ValueError, "ramp_height must not exceed"),
-        ({"dampers": passive(7e3)}, TypeError, r"dampers must be a list .*passive\(7e3\)\]"),
-        ({"dampers": []}, TypeError, "dampers must be a list of one or more"),
-        ({"dampers": "skyhook"}, TypeError, "dampers must be a list"),
-        ({"dampers": [7e3]}, TypeError, r"type bridgectl\.dampers\.passive\(7e3\)"),
+        ({"damper": 7e3}, TypeError, r"type bridgectl\.dampers\.passive\(7e3\)"),
         ({"vehicle": None}, TypeError, "vehicle must be a QuarterCar"),
         ({"beam": 25.0}, TypeError, "beam"),
     ],
 )  # fmt: skip
 def test_each_mistake_is_named(bridge, truck, changed, error, message):
-    given = {"beam": bridge, "vehicle": truck, "dampers": [passive(7e3)], "speed": SPEED}
+    given = {"beam": bridge, "vehicle": truck, "damper": passive(7e3), "speed": SPEED}
     given |= {"place": PLACE} | changed
     with pytest.raises(error, match=message):
-        ramp_height_figure(**given)
+        ramp_heights(**given)
 
 
-@pytest.mark.parametrize("call", [ramp_heights, ramp_height_figure])
-def test_a_speed_in_kmh_is_told_once(bridge, truck, call):
-    law = [passive(7e3)] if call is ramp_height_figure else passive(7e3)
+@pytest.mark.parametrize("given", [passive(7e3), [], "skyhook", [passive(7e3)]])
+def test_what_is_no_list_of_results_is_not_drawn(given):
+    with pytest.raises(TypeError, match=r"found must be a list .* type .*\.ramp_heights\(beam"):
+        ramp_height_figure(given)
+
+
+def test_one_figure_is_of_one_place_and_speed(bridge, truck, found):
+    other = ramp_heights(bridge, truck, passive(7e3), 20.0, 5.0, approach=0.0)
+    with pytest.raises(ValueError, match=r"got x = -35 m .* 90 km/h and x = 5 m .* 72 km/h"):
+        ramp_height_figure([found["passive"], found["PDD"], other])
+
+
+def test_a_speed_in_kmh_is_told_once(bridge, truck):
     with pytest.warns(bc.PlausibilityWarning, match="for 90 km/h type 90 / 3.6") as told:
-        call(bridge, truck, law, 90.0, 5.0, approach=0.0)
+        ramp_heights(bridge, truck, passive(7e3), 90.0, 5.0, approach=0.0)
     assert len(told) == 1

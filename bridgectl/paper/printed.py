@@ -79,6 +79,11 @@ class PaperResults:
         pairs = zip(SPEEDS_KMH, self.unit.daf_smooth, strict=True)
         return [(float(kmh), float(value)) for kmh, value in list(pairs)[::10]]
 
+    @property
+    def printed_smooth(self) -> tuple[float, float]:
+        """Speed [km/h] and DAF of a smooth road as printed, a point of Fig. 2."""
+        return EXAMPLE_KMH, li2006.PRINTED["daf_smooth_110"]
+
 
 def paper_results() -> PaperResults:
     """Compute what the paper prints: Figs. 2, 5, 6 and 7 and the numbers in the text.

@@ -211,6 +211,11 @@ class ValidationResults:
         }
 
     @property
+    def peak_tolerance(self) -> float:
+        """What the median difference of the peaks is to stay below [-]."""
+        return PEAK_TOLERANCE
+
+    @property
     def worst_peak(self) -> Case:
         """The case whose peaks differ most."""
         return max(self.cases, key=lambda case: abs(case.peak_difference))

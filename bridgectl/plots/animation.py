@@ -1,10 +1,9 @@
-"""A crossing in slow motion: the vehicle on the bridge, its moment and its tire force."""
+"""The picture of a crossing in slow motion: the vehicle on the bridge, moment and tire force."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
-import control
 import numpy as np
 from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
@@ -13,11 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.markers import CARETUP
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 
-from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.model.beam import Beam
-from bridgectl.model.crossing import Crossing
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.plots.shown import BeamShown, RoadShown
 from bridgectl.plots.style import (
     BLACK,
     BLUE,
@@ -30,17 +26,9 @@ from bridgectl.plots.style import (
     VERMILLION,
     styled,
 )
-from bridgectl.road import RoadProfile
-from bridgectl.simulate import crossing_response
-
-if TYPE_CHECKING:
-    from bridgectl.dampers import Damper, Strategy
 
 BEFORE, AFTER = 0.3, 0.26
 """How much road is shown before and after the bridge, in spans."""
-
-RUNS_UP, ROLLS_ON = 0.16, 0.12
-"""How far the vehicle is followed before and behind the bridge, in spans."""
 
 BETWEEN = 8
 """Points of the curves from one frame to the next."""
@@ -61,13 +49,23 @@ COILS, POINTS = 6, 201
 """Coils of the spring, and points of the bridge besides the road's stations: one at mid-span."""
 
 
-class _Motion(NamedTuple):
+class Motion(NamedTuple):
     """What is drawn, at every point of the curves [SI units]; displacements are downward."""
 
+    beam: BeamShown
+    """The bridge."""
+    speed: float
+    """Speed of the vehicle."""
+    road: RoadShown | None
+    """The road, None for a smooth one."""
+    start: float
+    """Where the vehicle starts on it."""
     x: FloatArray
-    """Position of the tire."""
+    """Position of the tire; `BETWEEN` points a frame, and the last one."""
     moment: FloatArray
     """Moment over the peak static one."""
+    static: FloatArray
+    """Static moment over its peak."""
     force: FloatArray
     """Tire force over the static load."""
     squeeze: FloatArray
@@ -79,132 +77,34 @@ class _Motion(NamedTuple):
 
 
 @styled
-def crossing_animation(
-    beam: Beam,
-    vehicle: QuarterCar,
-    speed: float,
-    profile: RoadProfile | None = None,
-    *,
-    damper: Damper | Strategy | None = None,
-    start: float = 0.0,
-    frames: int = 100,
-    fps: float = 20.0,
-) -> FuncAnimation:
-    """Animate a crossing: the vehicle on the deflected bridge, moment and tire force below it.
-
-    Body, spring, axle and tire roll over the road at x = c t, from a little before the bridge (or
-    from `start`, if that is nearer) to a little behind it. The vertical scale is exaggerated, by
-    one factor for the bridge's deflection and by another for the road and the compression of tire
-    and suspension: the picture names both. Moment and tire force build up below, as fractions of
-    the peak static moment and of the static load.
-
-    Parameters
-    ----------
-    beam : Beam
-        The bridge.
-    vehicle : QuarterCar
-        The vehicle.
-    speed : float
-        Speed c [m/s].
-    profile : RoadProfile, optional
-        The road, covering `start` to the end of the bridge; level beyond its end. Default: a
-        smooth road.
-    damper : bridgectl.dampers.Damper or Strategy, optional
-        A semi-active damper in place of the vehicle's own.
-    start : float, optional
-        Where the vehicle starts, in equilibrium [m]: 0, or negative for a start on the approach.
-    frames : int, optional
-        Number of frames, 2 or more.
-    fps : float, optional
-        Frames per second [1/s]. The title tells how much slower than the crossing this is.
-
-    Returns
-    -------
-    matplotlib.animation.FuncAnimation
-        Save it with ``animation.save("crossing.gif", writer="pillow")``, or show it in a notebook
-        with ``IPython.display.HTML(animation.to_jshtml())``.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument has the wrong kind or range, or the road does not cover the approach and
-        the bridge.
-
-    Warns
-    -----
-    LiftOffWarning
-        If the tire leaves the road; the tire force is then zero.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> import bridgectl as bc
-    >>> from bridgectl.plots import crossing_animation
-    >>> animation = crossing_animation(bc.li2006.beam(), bc.li2006.car(), 110 / 3.6, frames=3)
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     animation.save(Path(folder) / "crossing.gif", writer="pillow")
-    ...     (Path(folder) / "crossing.gif").read_bytes()[:6]
-    b'GIF89a'
-    """
-    if not isinstance(vehicle, QuarterCar):
-        raise TypeError(
-            f"vehicle must be a bridgectl.QuarterCar to be drawn, got {type(vehicle).__name__}"
-        )
-    crossing = Crossing(beam, vehicle, speed)
-    count = check.integer("frames", frames, at_least=2)
-    rate = check.positive("fps", fps)
-    c, span = crossing.speed, beam.length
-    first = max(check.number("start", start, unit="m"), -RUNS_UP * span)
-    x = np.linspace(first, (1 + ROLLS_ON) * span, BETWEEN * (count - 1) + 1)
-    response = crossing_response(
-        beam, vehicle, c, profile, start=start, damper=damper, tail=(ROLLS_ON + 0.01) * span / c,
-        timepts=x / c,
-    )  # fmt: skip
-    scene = _Scene(crossing, profile, start, _motion(crossing, response))
-    slower = count / rate / ((x[-1] - x[0]) / c)
-    scene.name(slower)
+def draw_crossing(motion: Motion, fps: float) -> FuncAnimation:
+    """Draw what `bridgectl.animation.crossing_animation` simulated, at some frames per second."""
+    scene, x = _Scene(motion), motion.x
+    frames = (x.size - 1) // BETWEEN + 1
+    scene.name(frames / fps / ((x[-1] - x[0]) / motion.speed))
     return FuncAnimation(
-        scene.figure, scene.draw, frames=count, interval=1000 / rate, repeat=True, blit=False
-    )
-
-
-def _motion(crossing: Crossing, response: control.TimeResponseData) -> _Motion:
-    outputs, states = np.asarray(response.outputs), np.asarray(response.states)
-    signal = dict(zip(response.output_labels, outputs, strict=True))
-    x, modes = response.time * crossing.speed, states[crossing.n_vehicle :: 2].T
-    weight, stiffness = crossing.linear.static_loads[0], crossing.linear.tire_stiffnesses[0]
-    force = signal["tire_force"]
-    return _Motion(
-        x,
-        signal["moment"],
-        force / weight,
-        (force - weight) / stiffness,
-        signal["y_s"] - signal["y_t"],
-        modes,
+        scene.figure, scene.draw, frames=frames, interval=1000 / fps, repeat=True, blit=False
     )
 
 
 class _Scene:
     """The figure, and what moves in it."""
 
-    def __init__(
-        self, crossing: Crossing, profile: RoadProfile | None, start: float, motion: _Motion
-    ) -> None:
-        span = crossing.beam.length
-        self.crossing, self.motion = crossing, motion
+    def __init__(self, motion: Motion) -> None:
+        self.motion, self.span, road = motion, motion.beam.length, motion.road
+        span = self.span
         self.window = (-BEFORE * span, (1 + AFTER) * span)
         self.unit = self.window[1] - self.window[0]
-        inner = np.zeros(0) if profile is None else profile.x
+        inner = np.zeros(0) if road is None else road.x
         inside = (inner > self.window[0]) & (inner < self.window[1])
         on_bridge = np.linspace(0.0, span, POINTS)
         self.x = np.unique(np.concatenate([inner[inside], on_bridge, self.window]))
-        rise = np.zeros_like(self.x) if profile is None else -profile.drop(self.x, start)
+        rise = np.zeros_like(self.x) if road is None else -road.drop(self.x, motion.start)
         # The road is drawn from where the bridge begins.
         self.rise = rise - np.interp(0.0, self.x, rise)
         self.on = (self.x >= 0) & (self.x <= span)
-        self.shapes = crossing.beam.mode_shapes(self.x)
-        deflections = np.abs(motion.modes @ crossing.beam.mode_shapes(span / 2))
+        self.shapes = motion.beam.mode_shapes(self.x)
+        deflections = np.abs(motion.modes @ motion.beam.mode_shapes(span / 2))
         self.by_bridge = _round_factor(DEFLECTED * self.unit / float(deflections.max()))
         ride = max(float(np.abs(part).max()) for part in (self.rise, motion.squeeze, motion.travel))
         self.by_ride = _round_factor(RIDING * self.unit / max(ride, 1e-3))
@@ -223,8 +123,8 @@ class _Scene:
     def name(self, slower: float) -> None:
         """Write the title, and the scales of what is drawn."""
         shown = f"{slower:.2g} times slower" if slower >= 1 else f"{1 / slower:.2g} times faster"
-        span, kmh = self.crossing.beam.length, self.crossing.speed * 3.6
-        self.scene.set_title(f"{kmh:.4g} km/h over a bridge of {span:g} m, {shown} than it is")
+        kmh = self.motion.speed * 3.6
+        self.scene.set_title(f"{kmh:.4g} km/h over a bridge of {self.span:g} m, {shown} than it is")
         self.scene.text(
             0.995, 0.97,
             f"drawn taller: deflection of the bridge {self.by_bridge:g} times,\n"
@@ -264,7 +164,7 @@ class _Scene:
 
     def _draw_ground(self) -> None:
         """Ground, bridge and road; the bridge is moved by `draw`."""
-        ax, unit, span = self.scene, self.unit, self.crossing.beam.length
+        ax, unit, span = self.scene, self.unit, self.span
         heights = self.by_ride * self.rise
         self.under = min(0.0, float(heights[self.on].min())) - 0.006 * unit
         low = min(-0.1 * unit, self.under - 0.065 * unit)
@@ -305,7 +205,7 @@ class _Scene:
     ) -> tuple[Any, Any]:
         """A curve over the position of the tire, and its end."""
         ax = self.figure.add_axes((LEFT, place[0], WIDTH, place[1]), sharex=self.scene)
-        ax.axvspan(0, self.crossing.beam.length, color=BRIDGE_TINT, zorder=0)
+        ax.axvspan(0, self.span, color=BRIDGE_TINT, zorder=0)
         (curve,) = ax.plot([], [], color=color, lw=1.8, label=name)
         (now,) = ax.plot([], [], "o", color=color, ms=6)
         ax.set_ylabel(label)
@@ -313,12 +213,10 @@ class _Scene:
 
     def _finish_panels(self) -> None:
         """Static lines, limits and labels of the curves."""
-        m, crossing = self.motion, self.crossing
+        m = self.motion
         above: Axes = self.moment.axes
         below: Axes = self.force.axes
-        peak = crossing.section * crossing.beam.length
-        static = crossing.beam.influence_line(m.x) / crossing.beam.influence_line(peak)
-        above.plot(m.x, static, ":", color=GREY, lw=1.4, label="static")
+        above.plot(m.x, m.static, ":", color=GREY, lw=1.4, label="static")
         (self.peak,) = above.plot([], [], "o", ms=7, mfc="none", mec=BLACK, mew=1.2)
         self.peak_text = above.text(
             0.995, 0.95, "", transform=above.transAxes, ha="right", va="top", color=BLACK

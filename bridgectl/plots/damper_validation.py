@@ -8,12 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bridgectl.paper.damper_validation import DamperCase
+from bridgectl.plots.shown import DamperCaseShown
 from bridgectl.plots.style import BLACK, BLUE, GREY, VERMILLION, styled
 
 
 @styled
-def damper_validation_figure(cases: Sequence[DamperCase]) -> Figure:
+def damper_validation_figure(cases: Sequence[DamperCaseShown]) -> Figure:
     """Draw the class DAE of every damper over its simulated mean DAF, and the mean of Eq. (15).
 
     A row for each road class, a column for each bridge.
@@ -53,7 +53,7 @@ def damper_validation_figure(cases: Sequence[DamperCase]) -> Figure:
     return figure
 
 
-def _draw(ax: Axes, case: DamperCase) -> None:
+def _draw(ax: Axes, case: DamperCaseShown) -> None:
     daf, known = case.mean_daf, slice(case.n_known)
     unseen = slice(case.n_known, None)
     ax.plot(daf, case.mean_eq_15, ".", color=GREY, ms=5, label="mean of Eq. (15)", zorder=1)

@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from bridgectl.plots.bridge import draw_lines
+from bridgectl.plots.shown import RoadShown, SurfaceShown
 from bridgectl.plots.style import PLACE_LABEL, styled
-
-if TYPE_CHECKING:
-    from bridgectl.road import RoadProfile
-    from bridgectl.surface.surface import RampSurface
+from bridgectl.plots.surface import draw_lines
 
 TITLES = ("odd: changes its sign with the ramp", "even: drop and rise have it in common")
 
 
 @styled
 def effects_figure(
-    surface: RampSurface,
+    surface: SurfaceShown,
     speeds: ArrayLike | None = None,
     *,
-    road: RoadProfile | ArrayLike | None = None,
+    road: RoadShown | ArrayLike | None = None,
 ) -> Figure:
     """Draw odd and even effects of ramps over their place, one line a speed.
 

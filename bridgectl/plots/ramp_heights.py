@@ -3,37 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bridgectl._plausible import judge_crossing
-from bridgectl.model.crossing import Crossing
+from bridgectl.plots.shown import RampHeightsShown
 from bridgectl.plots.style import BLACK, BLUE, GREY, SKY, VERMILLION, styled
-
-if TYPE_CHECKING:
-    from bridgectl.dampers import Damper, RampHeights, Strategy
-    from bridgectl.model.beam import Beam
-    from bridgectl.model.quarter_car import QuarterCar
 
 IN_A_ROW = 3
 """Panels side by side."""
 
 
 @styled
-def ramp_height_figure(
-    beam: Beam,
-    vehicle: QuarterCar,
-    dampers: Sequence[Damper | Strategy],
-    speed: float,
-    place: float,
-    *,
-    approach: float = 60.0,
-    largest: float = 0.02,
-    ramp_height: float | str = "A",
-) -> Figure:
+def ramp_height_figure(found: Sequence[RampHeightsShown]) -> Figure:
     """Draw the DAF of one ramp over its height, and what the DAE of both orders makes of it.
 
     One panel for each damper: the simulated DAF of a ramp that falls or rises, Eq. (15), which is
@@ -43,10 +26,8 @@ def ramp_height_figure(
 
     Parameters
     ----------
-    beam, vehicle, speed, place, approach, largest, ramp_height
-        See `bridgectl.dampers.ramp_heights`, whose numbers are drawn.
-    dampers : sequence of Damper or Strategy
-        The dampers in place of the vehicle's own.
+    found : sequence of RampHeights
+        Of each damper, at one place and speed: see `bridgectl.dampers.ramp_heights`.
 
     Returns
     -------
@@ -54,43 +35,25 @@ def ramp_height_figure(
 
     Raises
     ------
-    TypeError, ValueError
-        If `dampers` is no list of dampers, or another argument is not as `ramp_heights` wants it.
-
-    Warns
-    -----
-    PlausibilityWarning, LiftOffWarning
-        As `ramp_heights`.
+    TypeError
+        If `found` is no list of such results.
+    ValueError
+        If they are of several places or speeds.
 
     Examples
     --------
     A typical place and speed: bridgehook has larger even effects at half of all, and smaller ones.
 
     >>> import bridgectl as bc
-    >>> from bridgectl.dampers import bridgehook, passive
+    >>> from bridgectl.dampers import bridgehook, passive, ramp_heights
     >>> from bridgectl.plots import ramp_height_figure
     >>> beam, car = bc.li2006.beam(), bc.li2006.car()
     >>> laws = [passive(7e3), bridgehook(beam, car, 1e3, 30e3)]
-    >>> figure = ramp_height_figure(beam, car, laws, 25.0, -35.0)
+    >>> figure = ramp_height_figure([ramp_heights(beam, car, law, 25.0, -35.0) for law in laws])
     >>> [axes.get_title(loc="left").splitlines()[0] for axes in figure.axes]
     ['passive 7 kN s/m', 'bridgehook']
     """
-    from bridgectl.dampers import ramp_heights  # late, for it lies above this module
-
-    given: object = dampers
-    if not isinstance(given, list | tuple) or not given:
-        raise TypeError(
-            f"dampers must be a list of one or more, got {given!r:.60}: type for example "
-            "[bridgectl.dampers.passive(7e3)]"
-        )
-    found = [
-        ramp_heights(
-            beam, vehicle, damper, speed, place,
-            approach=approach, largest=largest, ramp_height=ramp_height,
-        )
-        for damper in dampers
-    ]  # fmt: skip
-    judge_crossing(Crossing(beam, vehicle, found[0].speed), found[0].speed)
+    place = _one_place(found)
     rows, columns = -(-len(found) // IN_A_ROW), min(len(found), IN_A_ROW)
     figure = Figure(figsize=(1.2 + 4.4 * columns, 0.9 + 3.7 * rows), layout="constrained")
     grid = figure.add_gridspec(rows, columns)
@@ -103,11 +66,7 @@ def ramp_height_figure(
             panel.set_ylabel("dynamic amplification DAF, DAE [-]")
         else:
             panel.tick_params(labelleft=False)
-    one = found[0]
-    figure.suptitle(
-        f"one ramp over 0.1 m at x = {one.place:.4g} m from the start of the bridge, "
-        f"{one.speed * 3.6:.4g} km/h"
-    )
+    figure.suptitle(f"one ramp over 0.1 m at {place}")
     handles = {
         label: line
         for panel in figure.axes
@@ -117,7 +76,27 @@ def ramp_height_figure(
     return figure
 
 
-def _draw(ax: Axes, found: RampHeights) -> None:
+def _one_place(found: object) -> str:
+    """Tell place and speed of the results; refuse what is none, and those that no title fits."""
+    listed = found if isinstance(found, list | tuple) else []
+    if not listed or not all(isinstance(one, RampHeightsShown) for one in listed):
+        raise TypeError(
+            f"found must be a list of RampHeights, one or more, got {found!r:.60}: type for "
+            "example [bridgectl.dampers.ramp_heights(beam, vehicle, damper, speed, place)]"
+        )
+    first, *others = dict.fromkeys(
+        f"x = {one.place:.4g} m from the start of the bridge, {one.speed * 3.6:.4g} km/h"
+        for one in listed
+    )
+    if others:
+        raise ValueError(
+            f"found must be of one place and speed, got {first} and {others[0]}: draw a figure "
+            "for each"
+        )
+    return first
+
+
+def _draw(ax: Axes, found: RampHeightsShown) -> None:
     """One damper: simulated DAF, both estimates, and the points that the second one meets."""
     mm, h = 1e3 * found.heights, 1e3 * found.ramp_height
     rise, smooth, drop = np.interp([-h, 0, h], mm, found.daf)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
-from bridgectl.extremes import EqualRoughnessPair
+from bridgectl.plots.shown import LineShown, PairShown, PsdShown, RoadShown
 from bridgectl.plots.style import (
     BRIDGE_TINT,
     GREY,
@@ -20,15 +20,12 @@ from bridgectl.plots.style import (
     new_axes,
     styled,
 )
-from bridgectl.road import RoadProfile
-from bridgectl.road.iri import GOOD
-from bridgectl.road.psd import BAND, CLASSES, REFERENCE, RoadPsd, class_roughness
 
 FILE_STATION_LABEL = "station [m]"
 
 
 @styled
-def profile_figure(roads: Sequence[RoadProfile], segment: float = 100.0) -> Figure:
+def profile_figure(roads: Sequence[RoadShown], segment: float = 100.0) -> Figure:
     """Draw the tracks of a road: elevation, IRI of each segment, and spectrum.
 
     Parameters
@@ -59,7 +56,7 @@ def profile_figure(roads: Sequence[RoadProfile], segment: float = 100.0) -> Figu
     above = figure.add_subplot(grid[0, 0])
     below = figure.add_subplot(grid[1, 0], sharex=above)
     spectra = figure.add_subplot(grid[:, 1])
-    psds = [road.psd() for road in roads]
+    psds, good = [road.psd() for road in roads], roads[0].good_iri
     for road, psd, color in zip(roads, psds, _colors(len(roads)), strict=True):
         above.plot(road.x, 1e3 * road.detrend().elevation, color=color, lw=0.9, label=road.name)
         iri = road.iri(segment=segment)
@@ -68,14 +65,14 @@ def profile_figure(roads: Sequence[RoadProfile], segment: float = 100.0) -> Figu
         below.stairs(iri, edges, baseline=None, color=color, lw=1.8, label=label)
     above.set(ylabel="elevation, up [mm]", title="elevation without its straight line")
     above.tick_params(labelbottom=False)
-    below.axhline(GOOD, color=GREY, ls="--", lw=1.2)
+    below.axhline(good, color=GREY, ls="--", lw=1.2)
     below.annotate(
-        f"not good: {GOOD:g} m/km and more", (0.01, GOOD), (0, 4), color=GREY,
+        f"not good: {good:g} m/km and more", (0.01, good), (0, 4), color=GREY,
         xycoords=("axes fraction", "data"), textcoords="offset points",
     )  # fmt: skip
     below.set(
         xlabel=FILE_STATION_LABEL, ylabel="IRI [m/km]", title=f"IRI of each {segment:g} m",
-        ylim=(0, max(below.get_ylim()[1], 1.15 * GOOD)),
+        ylim=(0, max(below.get_ylim()[1], 1.15 * good)),
     )  # fmt: skip
     below.legend(loc="lower right", framealpha=0.8, frameon=True, edgecolor="none")
     _draw_spectra(spectra, psds)
@@ -83,7 +80,7 @@ def profile_figure(roads: Sequence[RoadProfile], segment: float = 100.0) -> Figu
 
 
 @styled
-def psd_plot(psd: RoadPsd, ax: Axes | None = None) -> Axes:
+def psd_plot(psd: PsdShown, ax: Axes | None = None) -> Axes:
     """Draw the spectrum of a road over the classes of ISO 8608.
 
     Parameters
@@ -115,7 +112,7 @@ def psd_plot(psd: RoadPsd, ax: Axes | None = None) -> Axes:
 
 @styled
 def pair_figure(
-    pair: EqualRoughnessPair, speeds: ArrayLike, daf: ArrayLike, *, smooth: ArrayLike | None = None
+    pair: PairShown, speeds: ArrayLike, daf: ArrayLike, *, smooth: ArrayLike | None = None
 ) -> Figure:
     """Draw two roads of one IRI and one spectrum, and their DAF over speed: Fig. 3 of the paper.
 
@@ -177,18 +174,19 @@ def pair_figure(
         ylabel="$G_d$ [m³]",
         title="with one periodogram",
     )
-    panels["spectra"].set_ylim(_range([psd.density[psd.wavenumber <= BAND[1]]]))
+    panels["spectra"].set_ylim(_range([psd.density[psd.wavenumber <= psd.band[1]]]))
     for panel in panels.values():
         panel.legend()
     return figure
 
 
-def _draw_spectra(ax: Axes, spectra: Sequence[RoadPsd]) -> None:
+def _draw_spectra(ax: Axes, spectra: Sequence[PsdShown]) -> None:
     """Spectra, their lines, and the bands of the ISO classes that they lie in."""
     lowest = min(psd.wavenumber[0] for psd in spectra)
     highest = max(psd.wavenumber[-1] for psd in spectra)
-    n = np.array([min(lowest, BAND[0]), max(highest, BAND[1])])
-    limits = _range([psd.density[psd.wavenumber <= BAND[1]] for psd in spectra])
+    band, classes = spectra[0].band, spectra[0].classes
+    n = np.array([min(lowest, band[0]), max(highest, band[1])])
+    limits = _range([psd.density[psd.wavenumber <= band[1]] for psd in spectra])
     for psd, color in zip(spectra, _colors(len(spectra)), strict=True):
         name = psd.name or "road"
         if psd.coarse:
@@ -201,10 +199,9 @@ def _draw_spectra(ax: Axes, spectra: Sequence[RoadPsd]) -> None:
             f"{name}: class {fit.iso_class}, w = {fit.waviness:.2f},\n"
             f"$G_d(n_0)$ = {fit.roughness * 1e6:.3g}·10⁻⁶ m³"
         )
-        inside = np.clip(n, *BAND)
-        ax.loglog(inside, fit.roughness * (inside / REFERENCE) ** -fit.waviness, color=color,
-                  lw=2.2, label=label)  # fmt: skip
-    _draw_classes(ax, n, limits)
+        inside = np.clip(n, *band)
+        ax.loglog(inside, fit.density(inside), color=color, lw=2.2, label=label)
+    _draw_classes(ax, classes, n, limits)
     ax.set(
         xlim=n, ylim=limits, xlabel="wave number n [cycles/m]",
         ylabel="power spectral density $G_d$ [m³]", title="spectrum, and the ISO 8608 classes",
@@ -218,15 +215,16 @@ def _range(densities: Sequence[FloatArray]) -> tuple[float, float]:
     return 0.05 * float(every.min()), 4 * float(every.max())
 
 
-def _draw_classes(ax: Axes, n: FloatArray, limits: tuple[float, float]) -> None:
+def _draw_classes(
+    ax: Axes, classes: Mapping[str, Sequence[LineShown]], n: FloatArray, limits: tuple[float, float]
+) -> None:
     """Bands of the classes, every other one tinted, with their letters at the left edge."""
-    shape = (n / REFERENCE) ** -2.0
-    for i, name in enumerate(CLASSES):
-        low, high = (class_roughness(name, level) * shape for level in ("lower", "upper"))
+    place = 1.5 * n[0]
+    for i, (name, (lower, mean, upper)) in enumerate(classes.items()):
         if i % 2 == 0:
-            ax.fill_between(n, low, high, color=BRIDGE_TINT, lw=0, zorder=0)
-        place = 1.5 * n[0]
-        height = class_roughness(name) * (place / REFERENCE) ** -2.0
+            limits_at = lower.density(n), upper.density(n)
+            ax.fill_between(n, *limits_at, color=BRIDGE_TINT, lw=0, zorder=0)
+        height = float(mean.density(place))
         if limits[0] < height < limits[1]:
             ax.text(place, height, name, color=GREY, ha="center", va="center", fontsize=11)
 

@@ -7,15 +7,14 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.axes import Axes
 
+from bridgectl.plots.shown import BoardShown
 from bridgectl.plots.style import BLACK, BRIDGE_TINT, GREY, STATION_LABEL
-from bridgectl.scoring.agreement import over_roads
-from bridgectl.scoring.board import CLASS_DAE, EQ_15, Scoreboard
 
 MARKERS = "os^vD"
 """Of road classes."""
 
 
-def draw_class_dae(ax: Axes, board: Scoreboard, colors: Mapping[str, str]) -> None:
+def draw_class_dae(ax: Axes, board: BoardShown, colors: Mapping[str, str]) -> None:
     """Draw every strategy's class DAE, and mean of Eq. (15), over its simulated mean DAF.
 
     Parameters
@@ -27,17 +26,16 @@ def draw_class_dae(ax: Axes, board: Scoreboard, colors: Mapping[str, str]) -> No
     colors : mapping of str to str
         Colours of strategies that stand out.
     """
-    taus = {(each.roads, each.estimate): each.agreement.tau for each in board.rankings()}
-    classes = np.array(board.road_classes)
+    rankings, classes = board.rankings(), np.array(board.road_classes)
     for name, marker in zip(board.surfaces, MARKERS, strict=False):
         rows = {row.strategy: row for row in board.class_rows(name)}
-        daf = np.array([rows[each].daf for each in board.strategies])
-        for estimate, values, fill in (
-            (EQ_15, over_roads(board.values["dae"][:, classes == name]), False),
-            (CLASS_DAE, np.array([rows[each].dae for each in board.strategies]), True),
-        ):
-            tau = taus[f"class {name}", estimate]
-            told = f"{estimate}, class {name}" + ("" if np.isnan(tau) else f": tau {tau:.2f}")
+        daf, dae = np.array([(rows[each].daf, rows[each].dae) for each in board.strategies]).T
+        eq_15 = board.values["dae"][:, classes == name].mean(axis=(1, 2))
+        # Of a class these two are ranked first, and then the spread.
+        ranked = (each for each in rankings if each.roads == f"class {name}")
+        for fill, (values, ranking) in enumerate(zip((eq_15, dae), ranked, strict=False)):
+            told, tau = f"{ranking.estimate}, class {name}", ranking.agreement.tau
+            told += "" if np.isnan(tau) else f": tau {tau:.2f}"
             ax.plot([], [], marker, color=GREY, mfc=GREY if fill else "white", ms=5, label=told)
             for each, x, y in zip(board.strategies, daf, values, strict=True):
                 color = colors.get(each, GREY)
@@ -52,7 +50,7 @@ def draw_class_dae(ax: Axes, board: Scoreboard, colors: Mapping[str, str]) -> No
     ax.legend(loc="upper left", fontsize=8, handletextpad=0.2, borderaxespad=0.2)
 
 
-def draw_gains(ax: Axes, board: Scoreboard, road_class: str, colors: Mapping[str, str]) -> None:
+def draw_gains(ax: Axes, board: BoardShown, road_class: str, colors: Mapping[str, str]) -> None:
     """Draw what a class adds to the DAE for each metre of road: the area is all it adds.
 
     Parameters

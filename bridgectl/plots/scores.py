@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from bridgectl._checks import FloatArray
 from bridgectl.plots.labels import label_points
 from bridgectl.plots.score_dae import draw_class_dae, draw_gains
+from bridgectl.plots.shown import BoardShown
 from bridgectl.plots.style import BLACK, BLUE, GREY, SPEED_LABEL, TRACKS, VERMILLION, styled
-from bridgectl.scoring.board import Scoreboard
 
 DAF_LABEL = "mean DAF [-]"
 
@@ -37,7 +37,7 @@ class _Look(NamedTuple):
 
 
 @styled
-def score_figure(board: Scoreboard) -> Figure:
+def score_figure(board: BoardShown) -> Figure:
     """Draw what strategies do to a bridge, against what they do to ride and road.
 
     Above: mean DAF of each strategy against body acceleration and dynamic load coefficient, with
@@ -107,7 +107,7 @@ bridge [m]']
     return figure
 
 
-def _draw_second_order(axes: Sequence[Axes], board: Scoreboard, looks: dict[str, _Look]) -> None:
+def _draw_second_order(axes: Sequence[Axes], board: BoardShown, looks: dict[str, _Look]) -> None:
     draw_class_dae(axes[0], board, {name: look.color for name, look in looks.items()})
     axes[0].set_title("DAE beside simulated DAF")
     rows, roughest = board.rows(), max(board.surfaces)
@@ -116,7 +116,7 @@ def _draw_second_order(axes: Sequence[Axes], board: Scoreboard, looks: dict[str,
     axes[1].set_title(f"where ramps of class {roughest} act")
 
 
-def _looks(board: Scoreboard) -> dict[str, _Look]:
+def _looks(board: BoardShown) -> dict[str, _Look]:
     """What stands out: the first strategy, and those at the ends of each scale."""
     means = {name: values.mean(axis=(1, 2)) for name, values in board.values.items()}
     names = board.strategies
@@ -140,7 +140,7 @@ def _size(look: _Look) -> float:
     return 12.0 if look.marker == "*" else 6.0
 
 
-def _draw_points(ax: Axes, board: Scoreboard, measure: str, looks: dict[str, _Look]) -> None:
+def _draw_points(ax: Axes, board: BoardShown, measure: str, looks: dict[str, _Look]) -> None:
     """Strategies as points, and the line of the constant dampers."""
     means = (board.values[name].mean(axis=(1, 2)) for name in ("daf", measure))
     points = np.column_stack(list(means))
@@ -168,7 +168,7 @@ def _draw_points(ax: Axes, board: Scoreboard, measure: str, looks: dict[str, _Lo
     )  # fmt: skip
 
 
-def _label(board: Scoreboard, i: int) -> str:
+def _label(board: BoardShown, i: int) -> str:
     """The name of a strategy; of a constant damper its damping."""
     c = board.dampings[i]
     return board.strategies[i] if i == 0 or np.isnan(c) else f"{c / 1e3:g} kN s/m"
@@ -178,7 +178,7 @@ def _color(name: str, looks: dict[str, _Look]) -> str:
     return looks[name].color if name in looks else BLACK
 
 
-def _draw_speeds(ax: Axes, board: Scoreboard, measure: str, looks: dict[str, _Look]) -> None:
+def _draw_speeds(ax: Axes, board: BoardShown, measure: str, looks: dict[str, _Look]) -> None:
     """A measure over the speed, averaged over the roads."""
     order = np.argsort(board.speeds)
     kmh: FloatArray = board.speeds[order] * 3.6

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from bridgectl.paper.validation import PEAK_TOLERANCE, Case, ValidationResults
+from bridgectl.plots.shown import CaseShown, RoadShown, ValidationShown
 from bridgectl.plots.style import (
     BLACK,
     BRIDGE_TINT,
@@ -22,7 +22,6 @@ from bridgectl.plots.style import (
     VERMILLION,
     styled,
 )
-from bridgectl.road import RoadProfile
 
 ROW, COLUMN, ROAD, FOOT = 1.2, 1.3, 2.3, 3.2
 """Height of a road's panels, width of a bridge's, width of the elevations, the last row [in]."""
@@ -32,7 +31,7 @@ ROUND_OFF = 1e-6
 
 
 @styled
-def validation_figure(results: ValidationResults) -> Figure:
+def validation_figure(results: ValidationShown) -> Figure:
     """Draw DAF and DAE over speed of every road on every bridge, and the peaks of all.
 
     Parameters
@@ -85,7 +84,7 @@ def validation_figure(results: ValidationResults) -> Figure:
     return figure
 
 
-def _draw_road(ax: Axes, road: RoadProfile, approach: float, span: float) -> None:
+def _draw_road(ax: Axes, road: RoadShown, approach: float, span: float) -> None:
     """Elevation of a road, with the longest bridge."""
     shown = (road.x >= -approach - 1e-9) & (road.x <= span + 1e-9)
     ax.axvspan(0, span, color=BRIDGE_TINT, zorder=0)
@@ -96,7 +95,7 @@ def _draw_road(ax: Axes, road: RoadProfile, approach: float, span: float) -> Non
     ax.yaxis.set_major_locator(MaxNLocator(3))
 
 
-def _draw_case(ax: Axes, case: Case) -> None:
+def _draw_case(ax: Axes, case: CaseShown) -> None:
     order = np.argsort(case.speeds)
     kmh = case.speeds[order] * 3.6
     marker = "o" if len(kmh) < 15 else ""
@@ -124,7 +123,7 @@ def _share_heights(panels: Sequence[Axes]) -> None:
         panel.tick_params(labelleft=panel is panels[0])
 
 
-def _look(case: Case, results: ValidationResults) -> dict[str, object]:
+def _look(case: CaseShown, results: ValidationShown) -> dict[str, object]:
     """One colour for each span, open markers for a start at rest."""
     spans = list(dict.fromkeys(span for span, _ in results.groups))
     color = TRACKS[spans.index(case.span) % len(TRACKS)]
@@ -132,7 +131,7 @@ def _look(case: Case, results: ValidationResults) -> dict[str, object]:
     return {"marker": "o", "ms": 5.5, "ls": "", "color": color, "mfc": face, "mew": 1.3}
 
 
-def _draw_peaks(ax: Axes, results: ValidationResults) -> None:
+def _draw_peaks(ax: Axes, results: ValidationShown) -> None:
     """Peak DAE over peak DAF of every case, beside the line of equal ones."""
     peaks = np.array([(case.daf_peak.value, case.dae_peak.value) for case in results.cases])
     low, high = peaks.min(), peaks.max()
@@ -145,22 +144,23 @@ def _draw_peaks(ax: Axes, results: ValidationResults) -> None:
         title=f"peaks over the speeds of {len(peaks)} cases",
     )  # fmt: skip
     worst = results.worst_peak
-    if abs(worst.peak_difference) > PEAK_TOLERANCE:
+    if abs(worst.peak_difference) > results.peak_tolerance:
         ax.annotate(
             f"road {worst.road}", (worst.daf_peak.value, worst.dae_peak.value), (0, 7),
             textcoords="offset points", ha="center",
         )  # fmt: skip
 
 
-def _draw_differences(ax: Axes, results: ValidationResults) -> None:
+def _draw_differences(ax: Axes, results: ValidationShown) -> None:
     """Size of the difference of the peaks, road by road."""
     groups = list(results.groups)
     for case in results.cases:
         shift = (groups.index((case.span, case.approach)) - (len(groups) - 1) / 2) * 0.11
         size = max(abs(case.peak_difference), ROUND_OFF)
         ax.plot(case.road + shift, size, clip_on=False, **_look(case, results))  # type: ignore[arg-type]
-    label = f"bound of the median, {PEAK_TOLERANCE:g}"
-    handles = [ax.axhline(PEAK_TOLERANCE, color=GREY, ls="--", lw=1.2, label=label)]
+    bound = results.peak_tolerance
+    label = f"bound of the median, {bound:g}"
+    handles = [ax.axhline(bound, color=GREY, ls="--", lw=1.2, label=label)]
     ax.set(
         yscale="log", ylim=(ROUND_OFF, 1), xlim=(0.5, len(results.roads) + 0.5), xlabel="road",
         ylabel="|peak DAE - peak DAF| [-]",

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.road.iri import running_iri, segment_iri
+from bridgectl.road.iri import GOOD, running_iri, segment_iri
 from bridgectl.road.limits import TOLERANCE, mean_step, require_gentle, require_increasing
 from bridgectl.road.psd import RoadPsd, road_psd
 from bridgectl.road.sampling import measured_step, warn_if_coarse
@@ -396,6 +396,11 @@ steps 0.1 to 21.9 m)
         ends = first + length * np.arange(max(1, pieces) + 1, dtype=np.float64)
         drops = self.drop(ends, first)
         return Ramps(ends[:-1], drops[1:] - drops[:-1])
+
+    @property
+    def good_iri(self) -> float:
+        """The IRI [m/km] below which a road is good: `bridgectl.road.iri.GOOD`."""
+        return GOOD
 
     @overload
     def iri(self, segment: None = None) -> float: ...

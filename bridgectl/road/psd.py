@@ -115,6 +115,21 @@ class PsdFit(NamedTuple):
         limits = [class_roughness(name, "upper") for name in CLASSES[:-1]]
         return CLASSES[int(np.searchsorted(limits, self.roughness))]
 
+    def density(self, wavenumber: ArrayLike) -> FloatArray:
+        """Return G_d(n) = G_d(n_0) (n / n_0)^-w on the line.
+
+        Parameters
+        ----------
+        wavenumber : array_like
+            n [cycles/m].
+
+        Returns
+        -------
+        ndarray
+            G_d [m^3], of the same shape.
+        """
+        return np.asarray(self.roughness * (np.asarray(wavenumber) / REFERENCE) ** -self.waviness)
+
 
 @dataclass(frozen=True, eq=False)
 class RoadPsd:
@@ -216,6 +231,20 @@ class RoadPsd:
         """Whether the road was measured too coarsely for the classes of ISO 8608."""
         return too_coarse(0.5 / self.resolved)
 
+    @property
+    def band(self) -> tuple[float, float]:
+        """Wave numbers [cycles/m] over which ISO 8608 classifies a road."""
+        return BAND
+
+    @property
+    def classes(self) -> dict[str, tuple[PsdFit, ...]]:
+        """Lower limit, mean and upper limit of each ISO 8608 class, as lines of waviness 2."""
+        levels = ("lower", "mean", "upper")
+        return {
+            name: tuple(PsdFit(class_roughness(name, level), 2.0) for level in levels)
+            for name in CLASSES
+        }
+
     def _third_octaves(self, band: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Geometric mean wave number and logarithm of the mean density of each third octave."""
         high = min(band[1], self.resolved * (1 + ROUND_OFF))
@@ -255,7 +284,7 @@ class RoadPsd:
         -------
         matplotlib.axes.Axes
         """
-        from bridgectl.plots import psd_plot  # late, for it lies above and loads matplotlib
+        from bridgectl.plots import psd_plot  # late, for matplotlib is slow to load
 
         return psd_plot(self, ax=ax)
 

@@ -379,7 +379,7 @@ class Scoreboard:
 
     def plot(self) -> Figure:
         """Return a figure of the scores: see `bridgectl.plots.score_figure`."""
-        from bridgectl.plots import score_figure  # late, for it lies above this module
+        from bridgectl.plots import score_figure  # late, for matplotlib is slow to load
 
         return score_figure(self)
 

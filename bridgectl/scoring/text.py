@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from rich.table import Table
 
-from bridgectl.cli.tables import make_console, make_table
+from bridgectl._tables import make_console, make_table
 from bridgectl.scoring.agreement import CONFIDENCE, Paired
 from bridgectl.scoring.board import CLASS_DAE, ClassRow, Ranking, Row, Scoreboard
 

@@ -473,8 +473,7 @@ class RampSurface:
         -------
         matplotlib.axes.Axes
         """
-        # Late, for it lies above this module, and matplotlib is slow to load.
-        from bridgectl.plots import surface_plot
+        from bridgectl.plots import surface_plot  # late, for matplotlib is slow to load
 
         return surface_plot(self, difference=difference, ax=ax)
 

@@ -1,0 +1,131 @@
+"""A crossing in slow motion: simulated, and drawn as an animation."""
+
+from __future__ import annotations
+
+import control
+import numpy as np
+from matplotlib.animation import FuncAnimation
+
+from bridgectl import _checks as check
+from bridgectl.dampers import Damper, Strategy
+from bridgectl.model.beam import Beam
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.plots.animation import BETWEEN, Motion, draw_crossing
+from bridgectl.road import RoadProfile
+from bridgectl.simulate import crossing_response
+
+RUNS_UP, ROLLS_ON = 0.16, 0.12
+"""How far the vehicle is followed before and behind the bridge, in spans."""
+
+
+def crossing_animation(
+    beam: Beam,
+    vehicle: QuarterCar,
+    speed: float,
+    profile: RoadProfile | None = None,
+    *,
+    damper: Damper | Strategy | None = None,
+    start: float = 0.0,
+    frames: int = 100,
+    fps: float = 20.0,
+) -> FuncAnimation:
+    """Animate a crossing: the vehicle on the deflected bridge, moment and tire force below it.
+
+    Body, spring, axle and tire roll over the road at x = c t, from a little before the bridge (or
+    from `start`, if that is nearer) to a little behind it. The vertical scale is exaggerated, by
+    one factor for the bridge's deflection and by another for the road and the compression of tire
+    and suspension: the picture names both. Moment and tire force build up below, as fractions of
+    the peak static moment and of the static load.
+
+    Parameters
+    ----------
+    beam : Beam
+        The bridge.
+    vehicle : QuarterCar
+        The vehicle.
+    speed : float
+        Speed c [m/s].
+    profile : RoadProfile, optional
+        The road, covering `start` to the end of the bridge; level beyond its end. Default: a
+        smooth road.
+    damper : bridgectl.dampers.Damper or Strategy, optional
+        A semi-active damper in place of the vehicle's own.
+    start : float, optional
+        Where the vehicle starts, in equilibrium [m]: 0, or negative for a start on the approach.
+    frames : int, optional
+        Number of frames, 2 or more.
+    fps : float, optional
+        Frames per second [1/s]. The title tells how much slower than the crossing this is.
+
+    Returns
+    -------
+    matplotlib.animation.FuncAnimation
+        Save it with ``animation.save("crossing.gif", writer="pillow")``, or show it in a notebook
+        with ``IPython.display.HTML(animation.to_jshtml())``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong kind or range, or the road does not cover the approach and
+        the bridge.
+
+    Warns
+    -----
+    LiftOffWarning
+        If the tire leaves the road; the tire force is then zero.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import bridgectl as bc
+    >>> from bridgectl.animation import crossing_animation
+    >>> animation = crossing_animation(bc.li2006.beam(), bc.li2006.car(), 110 / 3.6, frames=3)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     animation.save(Path(folder) / "crossing.gif", writer="pillow")
+    ...     (Path(folder) / "crossing.gif").read_bytes()[:6]
+    b'GIF89a'
+    """
+    if not isinstance(vehicle, QuarterCar):
+        raise TypeError(
+            f"vehicle must be a bridgectl.QuarterCar to be drawn, got {type(vehicle).__name__}"
+        )
+    crossing = Crossing(beam, vehicle, speed)
+    count = check.integer("frames", frames, at_least=2)
+    rate = check.positive("fps", fps)
+    c, span = crossing.speed, beam.length
+    first = max(check.number("start", start, unit="m"), -RUNS_UP * span)
+    x = np.linspace(first, (1 + ROLLS_ON) * span, BETWEEN * (count - 1) + 1)
+    response = crossing_response(
+        beam, vehicle, c, profile, start=start, damper=damper, tail=(ROLLS_ON + 0.01) * span / c,
+        timepts=x / c,
+    )  # fmt: skip
+    return draw_crossing(_motion(crossing, response, profile, start), rate)
+
+
+def _motion(
+    crossing: Crossing,
+    response: control.TimeResponseData,
+    profile: RoadProfile | None,
+    start: float,
+) -> Motion:
+    """Take what is drawn from the response."""
+    outputs, states = np.asarray(response.outputs), np.asarray(response.states)
+    signal = dict(zip(response.output_labels, outputs, strict=True))
+    x, modes = response.time * crossing.speed, states[crossing.n_vehicle :: 2].T
+    weight, stiffness = crossing.linear.static_loads[0], crossing.linear.tire_stiffnesses[0]
+    force, line = signal["tire_force"], crossing.beam.influence_line
+    return Motion(
+        crossing.beam,
+        crossing.speed,
+        profile,
+        start,
+        x,
+        signal["moment"],
+        line(x) / line(crossing.section * crossing.beam.length),
+        force / weight,
+        (force - weight) / stiffness,
+        signal["y_s"] - signal["y_t"],
+        modes,
+    )

@@ -1,0 +1,179 @@
+"""Figures of a ramp surface: DAF of a smooth road and of a ramp, by its place and the speed."""
+
+from __future__ import annotations
+
+from itertools import cycle
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import CenteredNorm
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import ArrayLike
+
+from bridgectl._checks import FloatArray
+from bridgectl.plots.shown import SurfaceShown
+from bridgectl.plots.style import BLACK, PLACE_LABEL, SPEED_LABEL, TRACKS, new_axes, styled
+
+N_LINES = 5
+"""Lines of a plot that is not told its speeds."""
+
+FEW = 15
+"""Curves of fewer points than this show them."""
+
+
+@styled
+def smooth_daf_plot(surface: SurfaceShown, ax: Axes | None = None) -> Axes:
+    """Draw the DAF of a smooth road over the speed, Fig. 2 of the paper.
+
+    Parameters
+    ----------
+    surface : RampSurface
+        The ramp surface of bridge and vehicle.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure if omitted.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Fig. 2.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.plots import smooth_daf_plot
+    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
+    >>> smooth_daf_plot(surface).get_ylabel()
+    'DAF, smooth road [-]'
+    """
+    ax = new_axes(ax)
+    ax.plot(*curve_of(surface, surface.daf_smooth), color=BLACK, **dots_of(surface))
+    ax.set(xlabel=SPEED_LABEL, ylabel="DAF, smooth road [-]")
+    return ax
+
+
+@styled
+def surface_plot(
+    surface: SurfaceShown, *, difference: bool = False, ax: Axes | None = None
+) -> Axes:
+    """Draw the DAF of a ramp over its place and the speed: Figs. 5 and 6 of the paper.
+
+    Parameters
+    ----------
+    surface : RampSurface
+        A ramp surface of two speeds or more.
+    difference : bool, optional
+        Draw what the ramp changes, DAF_unit - DAF_smooth (Figs. 5(b) and 6(b)), in place of
+        DAF_unit itself (Figs. 5(a) and 6(a)).
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure if omitted.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    ValueError
+        If the surface has one speed only.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.plots import surface_plot
+    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
+    >>> surface_plot(surface).get_title(loc="left")
+    'DAF with a 1 mm drop over 0.1 m'
+    """
+    if len(surface.speeds) < 2:
+        raise ValueError("surface must have two speeds or more to be drawn, got one")
+    ax = new_axes(ax)
+    ramp = f"a {surface.ramp_height * 1e3:g} mm drop over {surface.ramp_length:g} m"
+    values: FloatArray = surface.daf_unit
+    ticks: FloatArray | None = None
+    look: dict[str, Any] = {"levels": 16, "cmap": "cividis"}
+    if difference:
+        values = surface.daf_difference
+        # No change is the middle of a band of one colour, not the edge between two.
+        bands = MaxNLocator(12, symmetric=True).tick_values(values.min(), values.max())
+        middles = np.asarray(bands)
+        step = middles[1] - middles[0]
+        levels = np.append(middles - step / 2, middles[-1] + step / 2)
+        look = {"levels": levels, "cmap": "RdBu_r", "norm": CenteredNorm()}
+        ticks = middles[middles.size // 2 % 2 :: 2]  # every other one, with 0 among them
+        ax.set_title(f"what {ramp} changes")
+    else:
+        ax.set_title(f"DAF with {ramp}")
+    places, kmh = surface.positions / surface.beam.length, surface.speeds * 3.6
+    filled = ax.contourf(places, kmh, values, **look)
+    ax.contour(filled, colors=BLACK, linewidths=0.25, alpha=0.5)
+    label = "change of the DAF [-]" if difference else "DAF [-]"
+    ax.figure.colorbar(filled, ax=ax, label=label, ticks=ticks, pad=0.02)
+    ax.set(xlabel=PLACE_LABEL, ylabel=SPEED_LABEL)
+    return ax
+
+
+@styled
+def lines_plot(
+    surface: SurfaceShown,
+    speeds: ArrayLike | None = None,
+    *,
+    difference: bool = False,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the DAF of a ramp over its place, one line a speed: cuts through Figs. 5 and 6.
+
+    Parameters
+    ----------
+    surface : RampSurface
+        The ramp surface of bridge and vehicle.
+    speeds : array_like, optional
+        Speeds [m/s], of which the surface's nearest are drawn; five across its range if omitted.
+    difference : bool, optional
+        Draw what the ramp changes, DAF_unit - DAF_smooth, in place of DAF_unit itself.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure if omitted.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.plots import lines_plot
+    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
+    >>> [line.get_label() for line in lines_plot(surface).lines]
+    ['90 km/h', '108 km/h']
+    """
+    ax = new_axes(ax)
+    draw_lines(ax, surface, surface.daf_difference if difference else surface.daf_unit, speeds)
+    ax.set(xlabel=PLACE_LABEL, ylabel="change of the DAF [-]" if difference else "DAF [-]")
+    ax.legend()
+    return ax
+
+
+def draw_lines(
+    ax: Axes, surface: SurfaceShown, values: FloatArray, speeds: ArrayLike | None
+) -> None:
+    """Draw values (n_speeds, n_ramps) over the places, one line a speed: see `lines_plot`."""
+    ends = surface.speeds.min(), surface.speeds.max()
+    wanted = np.linspace(*ends, N_LINES) if speeds is None else np.atleast_1d(np.asarray(speeds))
+    nearest = np.unique(np.abs(surface.speeds - wanted[:, np.newaxis]).argmin(axis=1))
+    for i, color in zip(nearest, cycle(TRACKS), strict=False):
+        label = f"{surface.speeds[i] * 3.6:.4g} km/h"
+        ax.plot(surface.positions / surface.beam.length, values[i], color=color, label=label)
+
+
+def curve_of(surface: SurfaceShown, values: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Speeds [km/h] in increasing order, and values."""
+    order = np.argsort(surface.speeds)
+    return surface.speeds[order] * 3.6, np.asarray(values)[order]
+
+
+def dots_of(surface: SurfaceShown) -> dict[str, Any]:
+    """Markers of a curve of few points."""
+    return {"marker": "o"} if len(surface.speeds) < FEW else {}
