@@ -30,6 +30,7 @@ from bridgectl._version import __version__ as __version__
 
 if TYPE_CHECKING:
     from bridgectl._plausible import PlausibilityWarning
+    from bridgectl.animation import crossing_animation
     from bridgectl.linear.lift_off import LiftOffWarning
     from bridgectl.model.beam import Beam
     from bridgectl.model.crossing import Crossing, crossing_system
@@ -46,6 +47,8 @@ if TYPE_CHECKING:
         write_profile,
     )
     from bridgectl.scoring.board import Scoreboard
+    from bridgectl.scoring.calibration import calibrated_class_dae
+    from bridgectl.scoring.ramp_heights import ramp_heights
     from bridgectl.scoring.run import score
     from bridgectl.simulate import crossing_response, daf, ramp_surface
     from bridgectl.surface.file import SurfaceFileError, load_surface
@@ -65,7 +68,9 @@ __all__ = [
     "Scoreboard",
     "SurfaceFileError",
     "Vehicle",
+    "calibrated_class_dae",
     "convoy",
+    "crossing_animation",
     "crossing_response",
     "crossing_system",
     "dae_trust",
@@ -73,6 +78,7 @@ __all__ = [
     "iso8608_profile",
     "li2006",
     "load_surface",
+    "ramp_heights",
     "ramp_surface",
     "read_profile",
     "read_tracks",
@@ -90,6 +96,7 @@ _ROOMS = {
 
 _HOMES = {
     "_plausible": ("PlausibilityWarning",),
+    "animation": ("crossing_animation",),
     "linear.lift_off": ("LiftOffWarning",),
     "model.beam": ("Beam",),
     "model.crossing": ("Crossing", "crossing_system"),
@@ -100,6 +107,8 @@ _HOMES = {
         "utia_road", "write_profile",
     ),
     "scoring.board": ("Scoreboard",),
+    "scoring.calibration": ("calibrated_class_dae",),
+    "scoring.ramp_heights": ("ramp_heights",),
     "scoring.run": ("score",),
     "simulate": ("crossing_response", "daf", "ramp_surface"),
     "surface.file": ("SurfaceFileError", "load_surface"),

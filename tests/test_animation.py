@@ -5,7 +5,7 @@ from matplotlib.animation import AbstractMovieWriter
 from PIL import Image
 
 import bridgectl as bc
-from bridgectl.animation import crossing_animation
+from bridgectl import crossing_animation
 from bridgectl.dampers import skyhook
 
 SPEED = 25.0

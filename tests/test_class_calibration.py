@@ -6,9 +6,9 @@ import threadpoolctl
 from test_closed_loop import LAWS, SOFT, STIFF
 
 import bridgectl as bc
+from bridgectl import calibrated_class_dae
 from bridgectl.dampers import Damper, bridgehook, passive, simulate_loop
 from bridgectl.road import iso8608_elevations
-from bridgectl.scoring.calibration import calibrated_class_dae
 
 SPEEDS = np.array([108, 60, 90]) / 3.6
 OPTIONS = {"approach": 20, "ramp_height": "A", "both_ways": True}

@@ -29,8 +29,8 @@ from matplotlib.text import Text
 from PIL import Image
 
 import bridgectl as bc
-from bridgectl.animation import crossing_animation
-from bridgectl.dampers import passive, ramp_heights, skyhook
+from bridgectl import crossing_animation
+from bridgectl.dampers import passive, skyhook
 from bridgectl.extremes import EqualRoughnessPair
 from bridgectl.paper.damper_validation import DamperCase
 from bridgectl.paper.printed import PaperResults
@@ -164,7 +164,7 @@ def dampers() -> Figure:
 def heights() -> Figure:
     beam, truck = beam_and_truck()
     laws = [passive(7e3), skyhook(1e3, 30e3)]
-    found = [ramp_heights(beam, truck, law, 25.0, 5.0, approach=2) for law in laws]
+    found = [bc.ramp_heights(beam, truck, law, 25.0, 5.0, approach=2) for law in laws]
     return ramp_height_figure(found)
 
 

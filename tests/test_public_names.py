@@ -301,7 +301,7 @@ def things(bridge, truck):
         dampers.skyhook(1e3, 30e3), hook, dampers.preset(1e3, 30e3), dampers.Damper(hook, lag=0.01),
         dampers.costate(bridge, truck, 25.0), dampers.peak_value(bridge, truck, 25.0, 1e3, 30e3),
         dampers.simulate_loop(bridge, truck, *loop, record=["tire_force"]),
-        dampers.ramp_heights(bridge, truck, dampers.passive(7e3), 25.0, 5.0, approach=0.0),
+        bc.ramp_heights(bridge, truck, dampers.passive(7e3), 25.0, 5.0, approach=0.0),
         dampers.program_sensitivity(bridge, truck, 25.0, [0], [7e3], road.x, road.elevation),
         dampers.Clairvoyant(1.0, 1.1, x, 1e3 + x, 0.01, 1e3, 30e3, "solved"),
         equal_roughness_pair(surface, road, 25.0), extreme_road(surface, speed=25.0),

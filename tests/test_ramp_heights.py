@@ -6,7 +6,8 @@ from helpers import loop_of_the_control_library
 from test_closed_loop import LAWS, random_loop
 
 import bridgectl as bc
-from bridgectl.dampers import Damper, bridgehook, passive, ramp_heights
+from bridgectl import ramp_heights
+from bridgectl.dampers import Damper, bridgehook, passive
 from bridgectl.plots import ramp_height_figure
 
 SPEED, PLACE = 25.0, -35.0

@@ -27,7 +27,7 @@ def ramp_height_figure(found: Sequence[RampHeightsShown]) -> Figure:
     Parameters
     ----------
     found : sequence of RampHeights
-        Of each damper, at one place and speed: see `bridgectl.dampers.ramp_heights`.
+        Of each damper, at one place and speed: see `bridgectl.ramp_heights`.
 
     Returns
     -------
@@ -45,11 +45,11 @@ def ramp_height_figure(found: Sequence[RampHeightsShown]) -> Figure:
     A typical place and speed: bridgehook has larger even effects at half of all, and smaller ones.
 
     >>> import bridgectl as bc
-    >>> from bridgectl.dampers import bridgehook, passive, ramp_heights
+    >>> from bridgectl.dampers import bridgehook, passive
     >>> from bridgectl.plots import ramp_height_figure
     >>> beam, car = bc.li2006.beam(), bc.li2006.car()
     >>> laws = [passive(7e3), bridgehook(beam, car, 1e3, 30e3)]
-    >>> figure = ramp_height_figure([ramp_heights(beam, car, law, 25.0, -35.0) for law in laws])
+    >>> figure = ramp_height_figure([bc.ramp_heights(beam, car, law, 25.0, -35.0) for law in laws])
     >>> [axes.get_title(loc="left").splitlines()[0] for axes in figure.axes]
     ['passive 7 kN s/m', 'bridgehook']
     """
@@ -82,7 +82,7 @@ def _one_place(found: object) -> str:
     if not listed or not all(isinstance(one, RampHeightsShown) for one in listed):
         raise TypeError(
             f"found must be a list of RampHeights, one or more, got {found!r:.60}: type for "
-            "example [bridgectl.dampers.ramp_heights(beam, vehicle, damper, speed, place)]"
+            "example [bridgectl.ramp_heights(beam, vehicle, damper, speed, place)]"
         )
     first, *others = dict.fromkeys(
         f"x = {one.place:.4g} m from the start of the bridge, {one.speed * 3.6:.4g} km/h"

@@ -75,12 +75,11 @@ def calibrated_class_dae(
     Examples
     --------
     >>> import bridgectl as bc
-    >>> from bridgectl.scoring.calibration import calibrated_class_dae
     >>> beam, car = bc.li2006.beam(), bc.li2006.car()
     >>> hook = bc.dampers.bridgehook(beam, car, 1e3, 30e3)
     >>> surface = bc.ramp_surface(
     ...     beam, car, 30.0, approach=20, ramp_height="A", both_ways=True, every=10, damper=hook)
-    >>> found = calibrated_class_dae(surface, "A", damper=hook)
+    >>> found = bc.calibrated_class_dae(surface, "A", damper=hook)
     >>> print(f"{found.mean[0]:.2f}, standard error {found.standard_error[0]:.3f}")
     1.08, standard error 0.002
     """

@@ -123,9 +123,8 @@ def ramp_heights(
     >>> import numpy as np
     >>> import bridgectl as bc
     >>> from bridgectl.dampers import bridgehook
-    >>> from bridgectl.scoring.ramp_heights import ramp_heights
     >>> beam, car = bc.li2006.beam(), bc.li2006.car()
-    >>> found = ramp_heights(beam, car, bridgehook(beam, car, 1e3, 30e3), 25.0, -35.0)
+    >>> found = bc.ramp_heights(beam, car, bridgehook(beam, car, 1e3, 30e3), 25.0, -35.0)
     >>> for estimate in (found.first_order, found.second_order):
     ...     print(f"{np.sqrt(np.mean((estimate - found.daf) ** 2)):.3f}")
     0.031
