@@ -48,7 +48,8 @@ if TYPE_CHECKING:
     from bridgectl.scoring.run import score
     from bridgectl.simulate import LiftOffWarning, crossing_response, daf
     from bridgectl.surface.compute import ramp_surface
-    from bridgectl.surface.file import SurfaceFileError, load_surface
+    from bridgectl.surface.expected import SurfaceFileError
+    from bridgectl.surface.load import load_surface
     from bridgectl.surface.surface import RampSurface
     from bridgectl.surface.trust import DaeTrust, dae_trust
 
@@ -102,7 +103,8 @@ _HOMES = {
     "scoring.run": ("score",),
     "simulate": ("LiftOffWarning", "crossing_response", "daf"),
     "surface.compute": ("ramp_surface",),
-    "surface.file": ("SurfaceFileError", "load_surface"),
+    "surface.expected": ("SurfaceFileError",),
+    "surface.load": ("load_surface",),
     "surface.surface": ("RampSurface",),
     "surface.trust": ("DaeTrust", "dae_trust"),
 }  # fmt: skip

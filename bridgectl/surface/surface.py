@@ -26,7 +26,9 @@ from bridgectl.road.iso8608 import DEFAULT_BAND, Seed
 from bridgectl.road.sampling import COARSE
 from bridgectl.simulate import daf
 from bridgectl.surface.class_dae import ClassDae, over_class
+from bridgectl.surface.file import save_surface
 from bridgectl.surface.histories import FeedbackHistories, Histories, superposed
+from bridgectl.surface.labelled import surface_to_xarray
 from bridgectl.surface.tire_contact import TireContact
 
 if TYPE_CHECKING:
@@ -491,14 +493,10 @@ class RampSurface:
         path : str or path-like
             The file; `bridgectl.load_surface` reads it back to the bit.
         """
-        from bridgectl.surface.file import save_surface  # late, for it lies above this module
-
         save_surface(self, path)
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the surface as a dataset: see `bridgectl.surface.labelled.surface_to_xarray`."""
-        from bridgectl.surface.labelled import surface_to_xarray
-
         return surface_to_xarray(self)
 
     def plot(self, *, difference: bool = False, ax: Axes | None = None) -> Axes:
