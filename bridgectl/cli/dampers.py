@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from bridgectl._tables import make_console, make_table
 from bridgectl._version import __version__
-from bridgectl.cli.tables import make_console, make_table
 from bridgectl.paper.damper_validation import FAR, DamperCase
 from bridgectl.scoring.agreement import CONFIDENCE, Pairs
 

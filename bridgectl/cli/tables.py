@@ -8,14 +8,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from rich import box
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_smoothness
+from bridgectl._tables import make_console, make_table
 from bridgectl._version import __version__
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.paper.printed import PaperResults
@@ -24,9 +21,6 @@ from bridgectl.road.iri import BASE, GOOD
 from bridgectl.road.limits import evenly_spaced, mean_step
 from bridgectl.road.sampling import too_coarse
 from bridgectl.surface.surface import RampSurface
-
-WIDTH = 100
-"""Columns of the tables where there is no terminal to tell."""
 
 SHOWN_KMH = 10
 """The speeds of the printed table are multiples of this [km/h]."""
@@ -113,33 +107,6 @@ def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
     except ValueError:  # too short for a line
         return track
     return replace(track, fit=fit)
-
-
-class _Console(Console):
-    def on_broken_pipe(self) -> None:
-        """Leave a closed pipe to the command line: it is no failure."""
-        raise BrokenPipeError
-
-
-def make_console() -> Console:
-    """Return where to print: not narrower than the tables are wide."""
-    # Notebooks get text, which `print` can then return too.
-    plain: Any = {"highlight": False, "markup": False, "force_jupyter": False}
-    console = _Console(**plain)
-    # Piped tables are not cut to the terminal that is not there.
-    return console if console.is_terminal else _Console(**plain, width=WIDTH)
-
-
-def make_table(title: str, columns: Sequence[str], words: Sequence[str] = ()) -> Table:
-    """Print a title and return a table of numbers, but for the columns of `words`."""
-    # The title apart, so that it does not wrap in a narrow table.
-    make_console().print(Text(title, style="bold"), soft_wrap=True)
-    table = Table(box=box.SIMPLE_HEAD)
-    for name in columns:
-        # A Text, since [m] in plain text would be read as markup.
-        justify: Any = "left" if name in words else "right"
-        table.add_column(Text(name), justify=justify, overflow="fold")
-    return table
 
 
 def print_dae(study: DaeStudy) -> None:

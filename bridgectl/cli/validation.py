@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from bridgectl._tables import make_console, make_table
 from bridgectl._version import __version__
-from bridgectl.cli.tables import make_console, make_table
 from bridgectl.paper.validation import (
     PEAK_TOLERANCE,
     SUPERPOSED_TOLERANCE,

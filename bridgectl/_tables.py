@@ -1,0 +1,41 @@
+"""Tables of text: where they are printed, and how they look."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+WIDTH = 100
+"""Columns of the tables where there is no terminal to tell."""
+
+
+class _Console(Console):
+    def on_broken_pipe(self) -> None:
+        """Leave a closed pipe to the command line: it is no failure."""
+        raise BrokenPipeError
+
+
+def make_console() -> Console:
+    """Return where to print: not narrower than the tables are wide."""
+    # Notebooks get text, which `print` can then return too.
+    plain: Any = {"highlight": False, "markup": False, "force_jupyter": False}
+    console = _Console(**plain)
+    # Piped tables are not cut to the terminal that is not there.
+    return console if console.is_terminal else _Console(**plain, width=WIDTH)
+
+
+def make_table(title: str, columns: Sequence[str], words: Sequence[str] = ()) -> Table:
+    """Print a title and return a table of numbers, but for the columns of `words`."""
+    # The title apart, so that it does not wrap in a narrow table.
+    make_console().print(Text(title, style="bold"), soft_wrap=True)
+    table = Table(box=box.SIMPLE_HEAD)
+    for name in columns:
+        # A Text, since [m] in plain text would be read as markup.
+        justify: Any = "left" if name in words else "right"
+        table.add_column(Text(name), justify=justify, overflow="fold")
+    return table
