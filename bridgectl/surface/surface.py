@@ -22,8 +22,9 @@ from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile, ramp_covariance
-from bridgectl.road.iso8608 import DEFAULT_BAND, Seed
+from bridgectl.road.iso8608 import Seed
 from bridgectl.road.sampling import COARSE
+from bridgectl.road.spectrum import DEFAULT_BAND
 from bridgectl.simulate import daf
 from bridgectl.surface.class_dae import ClassDae, over_class
 from bridgectl.surface.file import save_surface
