@@ -1,4 +1,4 @@
-"""Tables of text: where they are printed, and how they look."""
+"""Tables of numbers in text: one look for all that is printed."""
 
 from __future__ import annotations
 
