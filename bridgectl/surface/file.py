@@ -25,7 +25,8 @@ from bridgectl._files import replacing
 from bridgectl.model.beam import Beam
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
-from bridgectl.surface.histories import DenseHistories, FactoredHistories
+from bridgectl.surface.factored import FactoredHistories
+from bridgectl.surface.histories import DenseHistories
 from bridgectl.surface.parts import AXES, UNITS, leaves, parts, require_surface
 
 FORMAT = "bridgectl ramp surface"

@@ -24,8 +24,9 @@ from bridgectl.surface.expected import (
     checked_expectations,
     require_expected,
 )
+from bridgectl.surface.factored import FactoredHistories
 from bridgectl.surface.file import PARTS, Array, checksum
-from bridgectl.surface.histories import DenseHistories, FactoredHistories
+from bridgectl.surface.histories import DenseHistories
 from bridgectl.surface.parts import dotted
 from bridgectl.surface.surface import RampSurface
 
