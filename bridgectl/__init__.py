@@ -51,7 +51,8 @@ if TYPE_CHECKING:
     from bridgectl.scoring.ramp_heights import ramp_heights
     from bridgectl.scoring.run import score
     from bridgectl.simulate import crossing_response, daf, ramp_surface
-    from bridgectl.surface.file import SurfaceFileError, load_surface
+    from bridgectl.surface.expected import SurfaceFileError
+    from bridgectl.surface.load import load_surface
     from bridgectl.surface.surface import RampSurface
     from bridgectl.surface.trust import DaeTrust, dae_trust
 
@@ -111,7 +112,8 @@ _HOMES = {
     "scoring.ramp_heights": ("ramp_heights",),
     "scoring.run": ("score",),
     "simulate": ("crossing_response", "daf", "ramp_surface"),
-    "surface.file": ("SurfaceFileError", "load_surface"),
+    "surface.expected": ("SurfaceFileError",),
+    "surface.load": ("load_surface",),
     "surface.surface": ("RampSurface",),
     "surface.trust": ("DaeTrust", "dae_trust"),
 }  # fmt: skip

@@ -10,7 +10,7 @@ import numpy as np
 
 import bridgectl as bc
 from bridgectl.cli.main import main
-from bridgectl.dampers.strategy import CROSSING_OUTPUTS
+from bridgectl.dampers.block import CROSSING_OUTPUTS
 
 
 def rough_road(

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 import bridgectl as bc
 from bridgectl.dampers import SIGNALS, Damper, bridgehook, costate, passive, simulate_loop
+from bridgectl.dampers.block import CROSSING_OUTPUTS
 from bridgectl.dampers.bridgehook import Bridgehook
 from bridgectl.dampers.loop.batch_law import BatchLaw
 from bridgectl.dampers.peak_value import _expected, peak_value
-from bridgectl.dampers.strategy import CROSSING_OUTPUTS
 from bridgectl.linear.cells import build_cells
 from bridgectl.road import iso8608_elevations
 

@@ -9,7 +9,7 @@ from helpers import loop_of_the_control_library, rough_road
 import bridgectl as bc
 from bridgectl import dampers
 from bridgectl.dampers import SIGNALS, Damper, LoopResult, simulate_loop
-from bridgectl.dampers.strategy import CROSSING_OUTPUTS
+from bridgectl.dampers.block import CROSSING_OUTPUTS
 from bridgectl.road import iso8608_elevations
 
 SOFT, STIFF = 1e3, 30e3

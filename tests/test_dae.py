@@ -6,7 +6,8 @@ from helpers import rough_road
 
 import bridgectl as bc
 from bridgectl.linear.peaks import find_peaks
-from bridgectl.surface.histories import DenseHistories, _RampsApart
+from bridgectl.surface.factored import RampsApart
+from bridgectl.surface.histories import DenseHistories
 
 SPEED = 110 / 3.6
 SWEEP = np.arange(50, 151, 10) / 3.6
@@ -173,7 +174,7 @@ def test_peaks_of_ramps_of_any_height_are_those_of_all_of_their_histories(
 @pytest.mark.parametrize("approach", [0.0, 7.77])
 def test_no_ramp_exceeds_its_reach_in_a_block(bridge, truck, approach):
     surface = bc.ramp_surface(bridge, truck, 30.0, approach=approach)
-    apart = _RampsApart(surface.histories, 0, 1e-3)
+    apart = RampsApart(surface.histories, 0, 1e-3)
     for block, bound in enumerate(apart.reach()):
         assert np.abs(apart.block(block)).max() <= bound
 

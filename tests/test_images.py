@@ -47,7 +47,8 @@ from bridgectl.plots import (
     score_figure,
     validation_figure,
 )
-from bridgectl.scoring.board import MEASURES, Scoreboard
+from bridgectl.scoring.board import Scoreboard
+from bridgectl.scoring.rows import MEASURES
 from bridgectl.surface.histories import FeedbackHistories
 from bridgectl.surface.surface import RampSurface
 

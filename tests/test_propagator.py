@@ -5,14 +5,8 @@ import pytest
 from helpers import random_case, rough_road
 
 import bridgectl as bc
-from bridgectl.linear import cells as propagator
-from bridgectl.linear.cells import (
-    SAMPLES,
-    cell_nodes,
-    kink_positions,
-    merge_places,
-    sample_positions,
-)
+from bridgectl.linear.cells import SAMPLES, merge_places, sample_positions
+from bridgectl.linear.nodes import MAX_WIDTH, cell_nodes, kink_positions
 from bridgectl.linear.runs import effect_samples, prepare, propagate
 
 
@@ -52,7 +46,7 @@ def test_nodes_stand_at_every_kink(bridge, truck):
     kinks = [-20, -7.77, -4.47, 0, 3.3, 4.21, 7.51, 10, 13.3, 25, 28.3]
     assert np.abs(np.subtract.outer(kinks, nodes)).min(axis=1) == pytest.approx(0, abs=1e-12)
     assert np.all(np.diff(nodes) > 0)
-    assert np.diff(nodes).max() <= propagator.MAX_WIDTH + 1e-12
+    assert np.diff(nodes).max() <= MAX_WIDTH + 1e-12
 
 
 def test_slow_or_stiff_crossings_get_short_cells(bridge, truck):

@@ -29,7 +29,8 @@ from bridgectl.paper.damper_validation import DamperCase, Wrong
 from bridgectl.paper.validation import Case, ValidationResults, WarningLight
 from bridgectl.road import PsdFit, bump
 from bridgectl.scoring.agreement import Agreement, Paired, Pairs
-from bridgectl.scoring.board import MEASURES, ClassRow, Ranking, Scoreboard
+from bridgectl.scoring.board import Scoreboard
+from bridgectl.scoring.rows import MEASURES, ClassRow, Ranking
 
 WITH_ALL = ("bridgectl", *(f"bridgectl.{m}" for m in ("dampers", "extremes", "plots", "road")))
 
@@ -70,7 +71,7 @@ OFFERED = {
         "variances",
         "white_velocity",
     ],
-    "bridgectl.scoring.board": ["ClassRow", "Ranking", "Row"],
+    "bridgectl.scoring.rows": ["ClassRow", "Ranking", "Row"],
     "bridgectl.paper.validation": ["Case", "Peak", "ValidationResults", "WarningLight", "validate"],
     "bridgectl.measures.weighting": ["weighted_acceleration", "weighted_rms", "weighting_filter"],
 }

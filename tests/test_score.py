@@ -15,7 +15,7 @@ from bridgectl.measures.weighting import weighted_rms
 from bridgectl.road import iso8608_elevations
 from bridgectl.scoring import run as scoring
 from bridgectl.scoring.agreement import paired, rank_correlation
-from bridgectl.scoring.board import MEASURES
+from bridgectl.scoring.rows import MEASURES
 
 SPEEDS = np.array([30.0, 20.0])
 STRATEGIES = (dampers.passive(7e3), dampers.skyhook(1e3, 30e3), dampers.add(1e3, 30e3))

@@ -11,7 +11,7 @@ from test_closed_loop import random_loop
 import bridgectl as bc
 from bridgectl.dampers import program, program_sensitivity, simulate_loop
 from bridgectl.road import iso8608_elevations
-from bridgectl.scoring.board import paired
+from bridgectl.scoring.agreement import paired
 
 PLACES = np.array([-5.0, -1.0, 2.0, 6.0, 11.0])
 DAMPINGS = np.array([7e3, 2e3, 25e3, 12e3, 4e3])

@@ -15,10 +15,12 @@ import pytest
 from helpers import rough_road
 
 import bridgectl as bc
-from bridgectl.surface import file as surface_file
-from bridgectl.surface.file import SurfaceFileError, load_surface, save_surface
+from bridgectl.surface import load as surface_file
+from bridgectl.surface.expected import SurfaceFileError
+from bridgectl.surface.file import save_surface
 from bridgectl.surface.histories import DenseHistories
 from bridgectl.surface.labelled import surface_to_xarray
+from bridgectl.surface.load import load_surface
 from bridgectl.surface.parts import COMPUTED, UNITS
 
 SPEEDS = np.array([70, 90, 110]) / 3.6
@@ -114,7 +116,7 @@ def rewritten(file, change, *, summed=False):
     header = json.loads(str(arrays.pop("header")))
     change(header, arrays)
     if summed:
-        header["checksum"] = surface_file._checksum(header, arrays)
+        header["checksum"] = surface_file.checksum(header, arrays)
     np.savez(file, header=np.array(json.dumps(header)), **arrays)
 
 

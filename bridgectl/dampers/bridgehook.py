@@ -34,9 +34,10 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.actuator import bare_vehicle
+from bridgectl.dampers.block import RATE_TIME
 from bridgectl.dampers.costate import REACH, Costate, costate
 from bridgectl.dampers.peak_value import PeakValue, peak_value
-from bridgectl.dampers.strategy import RATE_TIME, Strategy
+from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.beam import Beam
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.model.quarter_car import QuarterCar
-from bridgectl.road.iso8608 import requested_roughness
 from bridgectl.road.psd import REFERENCE
+from bridgectl.road.spectrum import requested_roughness
 
 
 class Variances(NamedTuple):

@@ -19,8 +19,10 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl._files import replacing
+from bridgectl.dampers.block import RATE_TIME, law_block
+from bridgectl.dampers.c_code import write_c
 from bridgectl.dampers.expression import law_function, warn_of_slips
+from bridgectl.dampers.gains import checked_gain, checked_gains
 from bridgectl.model.crossing import Crossing
 
 SIGNALS = (
@@ -41,26 +43,6 @@ m/s.
 Displacements are positive downward, the suspension's are body minus axle, as in the crossing. The
 rate of the tire force is its change since the last sample over the sample time (0 at the first).
 """
-
-CROSSING_OUTPUTS = {
-    "body_velocity": "y_s_dot",
-    "axle_velocity": "y_t_dot",
-    "suspension_travel": "suspension_travel",
-    "suspension_velocity": "suspension_velocity",
-    "body_acceleration": "y_s_ddot",
-    "axle_acceleration": "y_t_ddot",
-    "tire_force": "tire_force",
-}
-"""Outputs of `bridgectl.crossing_system` that the measured signals are."""
-
-MOTION = ("body_velocity", "axle_velocity", "suspension_travel", "suspension_velocity")
-"""Inputs of every block."""
-
-SAMPLED = ("body_acceleration", "axle_acceleration")
-"""Signals that there are but for a controller that samples: see `Strategy.system`."""
-
-RATE_TIME = 1e-3
-"""Time constant [s] of the rate of the tire force in a block: as late as a change over 2 ms."""
 
 Law = Callable[[Any, Any], Any]
 """From signals and gains, by name as attributes, to the command c [N s/m], in CasADi operations."""
@@ -127,7 +109,7 @@ class Strategy:
             raise TypeError(f"law must be a function law(s, g), got {type(law).__name__}")
         self.name, self.law = _name(name), law
         self.c_min, self.c_max = damping_bounds(c_min, c_max)
-        self.bounds = _bounds({} if gains is None else gains)
+        self.bounds = checked_gains({} if gains is None else gains)
         self.gains = {key: value[0] for key, value in self.bounds.items()}
         limits = {"c_min": self.c_min, "c_max": self.c_max}
         free = law_function(self.name, law, SIGNALS, [*self.gains], **limits)
@@ -182,7 +164,7 @@ class Strategy:
             raise ValueError(f"{self.name} has no gain {sorted(unknown)[0]!r}, its gains: {known}")
         changed = copy(self)
         changed.bounds = {
-            key: _gain(key, (values.get(key, value), low, high))
+            key: checked_gain(key, (values.get(key, value), low, high))
             for key, (value, low, high) in self.bounds.items()
         }
         changed.gains = {key: value[0] for key, value in changed.bounds.items()}
@@ -342,43 +324,7 @@ class Strategy:
         >>> loop.nstates
         10
         """
-        velocity = check.positive("speed", speed, unit="m/s")
-        lag = check.positive("rate_time", rate_time, unit="s")
-        used = set(self.used)
-        if loops := [name for name in SAMPLED if name in used]:
-            raise ValueError(
-                f"{self.name} measures {' and '.join(loops)}, which the damper force changes at "
-                "once: it has no block without delay, simulate it with a sample time by "
-                "daf(..., damper=Damper(law, sample_time=2e-3)) or simulate_loop"
-            )
-        measured = [*MOTION, *(["tire_force"] if used & {"tire_force", "tire_force_rate"} else [])]
-        states = ["lagged_tire_force"] if "tire_force_rate" in used else []
-        places = [SIGNALS.index(name) for name in (*measured, "position", "speed")]
-        rate, row = MOTION.index("suspension_velocity"), np.zeros((len(SIGNALS), 1))
-
-        def update(t: float, x: FloatArray, u: FloatArray, p: dict[str, Any]) -> FloatArray:
-            return (u[-1] - x) / lag
-
-        def output(t: float, x: FloatArray, u: FloatArray, p: dict[str, Any]) -> FloatArray:
-            row[places, 0] = *u, velocity * t, velocity
-            if states:
-                row[SIGNALS.index("tire_force_rate"), 0] = update(t, x, u, p)[0]
-            try:
-                c = float(self.evaluate(row)[0])
-            except ValueError:
-                # No output of another system is known when all are asked for theirs at first, and
-                # only then is a tire force 0 without any motion.
-                if len(u) == len(MOTION) or u.any():
-                    raise
-                c = self.c_min
-            return np.array([c * u[rate], c])
-
-        return control.nlsys(
-            update if states else None, output, states=states or None,
-            inputs=[CROSSING_OUTPUTS[name] for name in measured],
-            outputs=["damper_force", "damping"],
-            name=self.name.replace(".", "_").lstrip("-") or "damper",
-        )  # fmt: skip
+        return law_block(self, SIGNALS, speed, rate_time)
 
     @property
     def used(self) -> list[str]:
@@ -410,17 +356,7 @@ class Strategy:
         OSError
             If the file cannot be written.
         """
-        if not isinstance(path, str | Path):
-            raise TypeError(f"path must be a string or Path, got {path!r}: type path='damping.c'")
-        file = Path(path)
-        if file.suffix != ".c":
-            raise ValueError(f"path must end in .c, got {str(path)!r}: type path='damping.c'")
-        # CasADi makes a name in C of this one, so it is not that of the file.
-        generator = ca.CodeGenerator("damping.c", {"with_header": False})
-        generator.add(self.function)
-        with replacing(str(file)) as handle:
-            handle.write(generator.dump().encode())
-        return file
+        return write_c(self.function, path)
 
 
 def damping_bounds(c_min: float, c_max: float) -> tuple[float, float]:
@@ -458,27 +394,3 @@ def _name(name: Any) -> str:
     if not isinstance(name, str) or not name:
         raise TypeError(f'name must be a string, got {name!r}: type for example "skyhook"')
     return name
-
-
-def _bounds(gains: Any) -> dict[str, tuple[float, float, float]]:
-    """Check the gains of a strategy and their bounds."""
-    if not isinstance(gains, Mapping):
-        raise TypeError(
-            f'gains must be a mapping, got {gains!r}: type for example {{"share": (0.5, 0.0, 1.0)}}'
-        )
-    for key in gains:
-        if not isinstance(key, str) or not key.isidentifier() or key in ("c_min", "c_max"):
-            raise ValueError(
-                f"a gain cannot be called {key!r}: type a word that a law can use as g.word, other "
-                "than c_min and c_max"
-            )
-    return {key: _gain(key, value) for key, value in gains.items()}
-
-
-def _gain(name: str, value: Any) -> tuple[float, float, float]:
-    if not isinstance(value, tuple | list) or len(value) != 3:
-        raise TypeError(f"gain {name} must be (value, least, largest), got {value!r}")
-    at, low, high = (check.number(f"gain {name}", entry) for entry in value)
-    if not low <= at <= high:
-        raise ValueError(f"gain {name} = {at:g} is outside its bounds, {low:g} to {high:g}")
-    return at, low, high

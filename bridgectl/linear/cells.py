@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
-from bridgectl._work import MOST_CELLS
 from bridgectl.model.crossing import Crossing
 
 N_STAGES = 3
@@ -41,16 +40,9 @@ SAMPLES = np.sort(np.concatenate([[0.0], GAUSS, BETWEEN]))
 # The points of a cell that responses are computed at, and the samples after its start in them.
 _POINTS = np.concatenate([GAUSS, [1.0], BETWEEN])
 _INNER = np.argsort(_POINTS)[:-1]
+END = N_STAGES  # the end of the cell, in them
 # Values at those samples of the parabola through values at the stages.
 _FROM_STAGES = np.vander(SAMPLES[1:], N_STAGES) @ np.linalg.inv(np.vander(GAUSS))
-
-MAX_WIDTH = 0.1
-"""Widest cell [m]: the paper's segment length, below which road waves do not matter."""
-
-# Largest advance of phase in a cell [rad], of the vehicle's fastest motion and of the highest
-# mode. Moments are then within 1e-7 of their converged values (tests/test_propagator.py).
-MAX_VEHICLE_PHASE = 0.4
-MAX_BEAM_PHASE = 1.7
 
 SAME_PLACE = 1e-9
 """Stations closer than this [m] are one: below any road's resolution, above round-off."""
@@ -126,7 +118,7 @@ class Cells:
         states[:, 0] = initial
         for c, (kind, cell) in enumerate(zip(self.kind, self.map_of, strict=True)):
             stages[:, c] += self.from_states[:, cell] @ states[:, c]
-            states[:, c + 1] = self.free[:, kind, N_STAGES] @ states[:, c]
+            states[:, c + 1] = self.free[:, kind, END] @ states[:, c]
             states[:, c + 1] += self.inputs[:, cell] @ stages[:, c]
         return states, stages
 
@@ -140,7 +132,7 @@ class Cells:
         kind = self.kind if n_maps == len(self.kind) else np.arange(n_maps)
         gains = np.concatenate([self.inputs, self.effect_from_stages], axis=2)
         from_states = gains @ self.from_states
-        from_states[:, :, :n] += self.free[:, kind, N_STAGES]
+        from_states[:, :, :n] += self.free[:, kind, END]
         from_states[:, :, n:] += self.effect_from_states[:, kind]
         from_road = gains @ self.from_road
         from_road[:, :, n:, from_road.shape[-1] // 2] += self.effect_constant
@@ -161,53 +153,6 @@ class Cells:
         values = np.einsum("scmi,sci->scm", self.effect_from_states[:, self.kind], states)
         values += np.einsum("scmq,scq->scm", self.effect_from_stages[:, self.map_of], stages)
         return values + self.effect_constant
-
-
-def kink_positions(
-    crossing: Crossing, start: float, end: float, stations: FloatArray
-) -> FloatArray:
-    """Positions from `start` to `end` where the motion is not smooth, both included [m].
-
-    There a tire meets one of the `stations` (the road's ramps), enters, leaves, or passes the
-    section.
-    """
-    length = crossing.beam.length
-    places = np.concatenate([stations, [0.0, crossing.section * length, length]])
-    kinks = np.add.outer(places, crossing.linear.tire_offsets).ravel()
-    inside = (kinks > start + SAME_PLACE) & (kinks < end - SAME_PLACE)
-    return merge_places(np.concatenate([[start], kinks[inside], [end]]))
-
-
-def fastest_motion(crossing: Crossing) -> float:
-    """Fastest motion of the vehicle on a rigid road [rad/s]."""
-    return float(np.abs(np.linalg.eigvals(crossing.linear.state_matrix_on_tires())).max())
-
-
-def cell_width(vehicle: float, beam: float, speed: float) -> float:
-    """Width of cells [m] that are short for motions of vehicle and beam [rad/s] at a speed."""
-    return min(MAX_WIDTH, MAX_VEHICLE_PHASE / vehicle * speed, MAX_BEAM_PHASE / beam * speed)
-
-
-def cell_nodes(crossing: Crossing, speed: float, kinks: FloatArray, refine: int = 1) -> FloatArray:
-    """Place the nodes of the cells: at the kinks, and between them where cells are too long.
-
-    Cells are short enough for the fastest motions at `speed`, the slowest of a batch;
-    `refine` cuts each into as many again.
-    """
-    fastest, highest = fastest_motion(crossing), float(crossing.beam.omega[-1])
-    width = cell_width(fastest, highest, speed)
-    pieces = refine * np.ceil(np.diff(kinks) / width - SAME_PLACE)
-    if pieces.sum() > MOST_CELLS:
-        raise ValueError(
-            f"the crossing at {speed:g} m/s needs {pieces.sum():.3g} cells of {width:.2g} m, more "
-            f"than {MOST_CELLS:.0f}: the vehicle's fastest motion is at {fastest:.3g} rad/s (check "
-            f"stiffnesses, damping and masses), the beam's at {highest:.3g} rad/s "
-            "(type a smaller n_modes)"
-        )
-    pieces = pieces.astype(int)
-    first, steps = np.repeat([kinks[:-1], np.diff(kinks) / pieces], pieces, axis=1)
-    within = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-    return np.append(first + within * steps, kinks[-1])
 
 
 def merge_places(places: FloatArray) -> FloatArray:
@@ -282,11 +227,13 @@ def build_cells(
     )
 
     batch = per_force.shape[:2]
+    of_vehicle, of_beam = slice(n), slice(n, n + 2 * n_modes)
+    forces, surface = slice(q), slice(q, 2 * q)  # of the stage values [R, u]
     inputs = np.zeros((*batch, n + 2 * n_modes, 2 * q))
-    inputs[:, :, n:, :q] = per_force[:, :, N_STAGES].reshape(*batch, 2 * n_modes, q)
-    inputs[:, :, :n, q:] = held_vehicle[:, kind_of_map, N_STAGES].reshape(*batch, n, q)
+    inputs[:, :, of_beam, forces] = per_force[:, :, END].reshape(*batch, 2 * n_modes, q)
+    inputs[:, :, of_vehicle, surface] = held_vehicle[:, kind_of_map, END].reshape(*batch, n, q)
     free = np.zeros((*free_vehicle.shape[:3], n + 2 * n_modes, n + 2 * n_modes))
-    free[..., :n, :n] = free_vehicle
+    free[..., of_vehicle, of_vehicle] = free_vehicle
     for j in range(n_modes):
         own = slice(n + 2 * j, n + 2 * j + 2)
         free[..., own, own] = free_modes[:, :, j]

@@ -6,7 +6,8 @@ import numpy as np
 
 from bridgectl._checks import FloatArray
 from bridgectl._work import Given, Work, at_least, at_most, require_feasible
-from bridgectl.linear.cells import N_STAGES, SAMPLES, cell_width, fastest_motion
+from bridgectl.linear.cells import N_STAGES, SAMPLES
+from bridgectl.linear.nodes import cell_width, fastest_motion
 from bridgectl.linear.runs import BATCH_BYTES, Run
 from bridgectl.model.crossing import Crossing
 

@@ -24,11 +24,10 @@ from bridgectl.linear.cells import (
     Cells,
     bridge_entry,
     build_cells,
-    cell_nodes,
-    kink_positions,
     merge_places,
     road_rows,
 )
+from bridgectl.linear.nodes import cell_nodes, kink_positions
 from bridgectl.model.crossing import Crossing
 from bridgectl.road import RoadProfile
 from bridgectl.road.sampling import warn_if_coarse

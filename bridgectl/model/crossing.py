@@ -1,9 +1,4 @@
-"""One crossing: beam, vehicle and speed as a time-varying linear system with named signals.
-
-Signs: displacements, deflection and the road input r are positive downward, measured from
-static equilibrium on a level road, as in the paper. Roads come as elevations, positive
-upward, and turn into r in one place, `RoadProfile.drop`.
-"""
+"""One crossing: the motion of beam and vehicle, what is read from it, and its named signals."""
 
 from __future__ import annotations
 
@@ -18,15 +13,16 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
-from bridgectl.model.beam import Beam, beam_states
+from bridgectl.model.beam import Beam
 from bridgectl.model.effects import EffectRows, effect_rows, known_effects, static_peak
+from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.recovery import RECOVERIES
 from bridgectl.model.vehicle import Vehicle, signals, vehicle_states
 
 
 @dataclass(frozen=True)
-class Crossing:
+class Crossing(Motion):
     """A vehicle that crosses a beam at constant speed, the reference tire at x = c t.
 
     States x = [vehicle states, beam states], each coordinate followed by its rate. With the
@@ -84,9 +80,6 @@ class Crossing:
     (10, 10)
     """
 
-    beam: Beam
-    vehicle: Vehicle | QuarterCar
-    speed: float
     section: float = 0.5
     recovery: str = "exact"
     effect: str = "moment"
@@ -121,62 +114,9 @@ class Crossing:
         )
 
     @property
-    def linear(self) -> Vehicle:
-        """The vehicle as a `Vehicle`."""
-        return self.vehicle.linear
-
-    @property
-    def n_vehicle(self) -> int:
-        """Number of vehicle states, which come first."""
-        return 2 * self.linear.n_coordinates
-
-    @property
-    def n_states(self) -> int:
-        """Number of states."""
-        return self.n_vehicle + 2 * self.beam.n_modes
-
-    @property
-    def exit(self) -> float:
-        """Position of the reference tire when the last tire leaves the bridge [m]."""
-        return self.beam.length + float(self.linear.tire_offsets.max())
-
-    @property
     def peak_static_moment(self) -> float:
         """Largest static moment M_0 at the section as the vehicle creeps across [N m]."""
         return static_peak(self.beam, self.linear, self.section, "moment")
-
-    def tire_positions(self, x: ArrayLike) -> FloatArray:
-        """Positions of the tires for the reference tire at x.
-
-        Parameters
-        ----------
-        x : array_like
-            Positions of the reference tire [m], any shape.
-
-        Returns
-        -------
-        ndarray, shape (..., n_tires)
-            Positions [m].
-        """
-        return np.asarray(x, dtype=np.float64)[..., np.newaxis] - self.linear.tire_offsets
-
-    def tire_shapes(self, x: ArrayLike) -> FloatArray:
-        """Mode shapes under the tires.
-
-        Both the time-varying input map of the modes (transposed) and the rows that read
-        the deflection under each tire.
-
-        Parameters
-        ----------
-        x : array_like
-            Positions of the reference tire [m], any shape.
-
-        Returns
-        -------
-        ndarray, shape (..., n_tires, n_modes)
-            Dimensionless, zero off the bridge: see `Beam.mode_shapes`.
-        """
-        return self.beam.mode_shapes(self.tire_positions(x))
 
     def rows(self, x: ArrayLike, effect: str | None = None) -> EffectRows:
         """Rows of an effect, by default the crossing's, over its static peak: Eqs. (6)-(8).
@@ -228,166 +168,6 @@ class Crossing:
         return np.kron(shape, [1.0, 0.0])
 
     @cached_property
-    def free_matrix(self) -> FloatArray:
-        """A without the tires, of `state_labels` [m, m/s]: vehicle in flight beside a free beam."""
-        matrix = np.zeros((self.n_states, self.n_states))
-        matrix[: self.n_vehicle, : self.n_vehicle] = self.linear.state_matrix
-        matrix[self.n_vehicle :, self.n_vehicle :] = self.beam.state_matrix
-        return matrix
-
-    @cached_property
-    def damper_matrix(self) -> FloatArray:
-        """B_F: input matrix of the damper forces [N], shape (n, n_dampers)."""
-        matrix = np.zeros((self.n_states, len(self.linear.damper_map)))
-        matrix[: self.n_vehicle] = self.linear.damper_input
-        return matrix
-
-    def tire_input(self, x: float) -> FloatArray:
-        """Input matrix of the tire forces [N], with the beam's input map b(t).
-
-        The vehicle takes R - W, the beam R.
-
-        Parameters
-        ----------
-        x : float
-            Position of the reference tire [m].
-
-        Returns
-        -------
-        ndarray, shape (n, n_tires)
-        """
-        return np.vstack([self.linear.tire_input, self.beam.input_matrix @ self.tire_shapes(x).T])
-
-    def tire_rows(self, x: float) -> FloatArray:
-        """Rows of K_t (y - v): tire forces [N] per state with the tires in contact.
-
-        Parameters
-        ----------
-        x : float
-            Position of the reference tire [m].
-
-        Returns
-        -------
-        ndarray, shape (n_tires, n)
-        """
-        deflection = np.kron(self.tire_shapes(x), [1.0, 0.0])
-        rows = np.hstack([self.linear.hubs, -deflection])
-        return np.asarray(self.linear.tire_stiffnesses[:, np.newaxis] * rows)
-
-    def state_matrix(self, t: float) -> FloatArray:
-        """A(t) with every tire in contact, of the states `state_labels` [m, m/s].
-
-        Parameters
-        ----------
-        t : float
-            Time [s] since the reference tire is at the start of the bridge.
-
-        Returns
-        -------
-        ndarray, shape (n, n)
-        """
-        x = self.speed * t
-        return np.asarray(self.free_matrix + self.tire_input(x) @ self.tire_rows(x))
-
-    def road_matrix(self, t: float) -> FloatArray:
-        """B_r(t), input matrix of the road r [m] with every tire in contact.
-
-        Parameters
-        ----------
-        t : float
-            Time [s]: see `state_matrix`.
-
-        Returns
-        -------
-        ndarray, shape (n, n_tires)
-        """
-        return np.asarray(-self.tire_input(self.speed * t) * self.linear.tire_stiffnesses)
-
-    def load_vector(self, t: float) -> FloatArray:
-        """b(t) W: what the static loads [N] on the beam add to the state derivative.
-
-        Parameters
-        ----------
-        t : float
-            Time [s]: see `state_matrix`.
-
-        Returns
-        -------
-        ndarray, shape (n,)
-        """
-        on_beam = self.tire_input(self.speed * t) @ self.linear.static_loads
-        on_beam[: self.n_vehicle] = 0.0
-        return np.asarray(on_beam)
-
-    def tire_forces(
-        self, hubs: FloatArray, deflections: FloatArray, road: FloatArray
-    ) -> FloatArray:
-        """Tire forces of Eq. (2) in contact, R = W + K_t (y_t - v - r) [N].
-
-        Parameters
-        ----------
-        hubs, deflections, road : ndarray, shape (..., n_tires)
-            Hub displacements, deflections under the tires and road [m].
-
-        Returns
-        -------
-        ndarray, shape (..., n_tires)
-        """
-        vehicle = self.linear
-        return vehicle.static_loads + vehicle.tire_stiffnesses * (hubs - deflections - road)
-
-    def contact_forces(self, state: FloatArray, road: FloatArray, shapes: FloatArray) -> FloatArray:
-        """Tire forces kept from pulling, R >= 0: see `tire_forces`.
-
-        Parameters
-        ----------
-        state : ndarray, shape (n,)
-            The states `state_labels` [m, m/s].
-        road : ndarray, shape (n_tires,)
-            Road r under the tires [m], positive downward.
-        shapes : ndarray, shape (n_tires, n_modes)
-            Mode shapes under the tires, dimensionless: see `tire_shapes`.
-
-        Returns
-        -------
-        ndarray, shape (n_tires,)
-            R [N].
-        """
-        n = self.n_vehicle
-        contact = self.tire_forces(self.linear.hubs @ state[:n], shapes @ state[n::2], road)
-        return np.maximum(contact, 0.0)
-
-    def dynamics(
-        self, t: float, state: FloatArray, road: FloatArray, damper_force: FloatArray
-    ) -> FloatArray:
-        """State derivative, with the tires kept from pulling.
-
-        Parameters
-        ----------
-        t : float
-            Time [s]: see `state_matrix`.
-        state : ndarray, shape (n,)
-            The states `state_labels` [m, m/s].
-        road : ndarray, shape (n_tires,)
-            Road r under the tires [m], positive downward.
-        damper_force : ndarray, shape (n_dampers,)
-            Forces of the controlled dampers [N].
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            Rates of the states [m/s, m/s^2].
-        """
-        n = self.n_vehicle
-        shapes = self.tire_shapes(self.speed * t)
-        force = self.contact_forces(state, road, shapes)
-        rate = self.free_matrix @ state + self.damper_matrix @ damper_force
-        # The static loads hold the vehicle in equilibrium; the beam feels all of R.
-        rate[:n] += self.linear.tire_input @ (force - self.linear.static_loads)
-        rate[n:] += self.beam.input_matrix @ (force @ shapes)
-        return np.asarray(rate)
-
-    @cached_property
     def output_labels(self) -> list[str]:
         """Names of the outputs, in order: see `crossing_system`."""
         vehicle = self.linear
@@ -400,19 +180,6 @@ class Crossing:
             *signals("suspension_travel", len(vehicle.damper_map)),
             *signals("suspension_velocity", len(vehicle.damper_map)),
         ]
-
-    @cached_property
-    def input_labels(self) -> list[str]:
-        """Names of the inputs: road under each tire, force of each controlled damper."""
-        return [
-            *signals("road", self.linear.n_tires),
-            *signals("damper_force", len(self.linear.damper_map)),
-        ]
-
-    @cached_property
-    def state_labels(self) -> list[str]:
-        """Names of the states, in order."""
-        return vehicle_states(self.linear) + beam_states(self.beam)
 
     def outputs(
         self, t: FloatArray, states: FloatArray, forces: FloatArray, damper: FloatArray

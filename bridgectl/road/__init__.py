@@ -4,12 +4,12 @@ from bridgectl.road.events import RoadEvent, add_events
 from bridgectl.road.files.lines import ProfileFileError
 from bridgectl.road.files.read import read_profile, read_tracks, utia_road
 from bridgectl.road.files.write import write_profile
+from bridgectl.road.filtered import shaping_filter
 from bridgectl.road.footprint import tire_footprint
 from bridgectl.road.iso8608 import (
     iso8608_elevations,
     iso8608_profile,
     ramp_covariance,
-    shaping_filter,
 )
 from bridgectl.road.profile import RoadProfile
 from bridgectl.road.psd import PsdFit, RoadPsd, class_roughness

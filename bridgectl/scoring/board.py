@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,115 +18,21 @@ from bridgectl._version import __version__
 from bridgectl.model.beam import Beam
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.scoring.agreement import (
-    Agreement,
     Paired,
-    Pairs,
     agreement,
     over_roads,
     paired,
     pairs_in_order,
     rank_correlation,
 )
+from bridgectl.scoring.rows import CLASS_DAE, EQ_15, MEASURES, ClassRow, Ranking, Row
+from bridgectl.scoring.text import score_text
 
 if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
     from bridgectl.surface.surface import RampSurface
-
-MEASURES = {
-    "daf": "dynamic amplification factor [-]",
-    "dae": "dynamic amplification estimate, Eq. (15) [-]",
-    "dae_2": "dynamic amplification estimate of second order [-]",
-    "dynamic_load_coefficient": "dynamic load coefficient [-]",
-    "tire_force_95": "95th percentile of the tire force over the static load [-]",
-    "road_stress": "mean fourth power of the tire force over the static load [-]",
-    "least_force": "least tire force over the static load [-]",
-    "body_acceleration": "body acceleration, rms [m/s^2]",
-    "weighted_acceleration": "body acceleration weighted by W_k (ISO 2631-1), rms [m/s^2]",
-    "suspension_travel": "largest suspension travel [m]",
-    "switching_rate": "switches of the damper [1/s]",
-}
-"""What is known of each strategy, road and speed."""
-
-
-EQ_15, CLASS_DAE = "mean of Eq. (15)", "class DAE"
-"""What orders strategies."""
-
-
-class Row(NamedTuple):
-    """One strategy, made by `score`: means over roads and speeds unless said otherwise."""
-
-    strategy: str
-    """Its name."""
-    daf: float
-    """DAF [-]."""
-    daf_difference: Paired
-    """Of the DAF, to the first strategy [-]."""
-    worst_speed: float
-    """Where the mean DAF over roads is largest [m/s]."""
-    worst_daf: float
-    """That DAF."""
-    dae: float
-    """DAE [-]."""
-    dae_error: float
-    """Root mean square of DAE - DAF over roads and speeds."""
-    dae_rank: float
-    """Spearman's rank correlation of DAE and DAF over roads and speeds."""
-    dae_2: float
-    """DAE of second order [-]; NaN if a road's class has no surface."""
-    dae_2_error: float
-    """Root mean square of it - DAF over roads and speeds."""
-    dynamic_load_coefficient: float
-    """See `bridgectl.measures.dynamic_load_coefficient` [-]."""
-    fourth_power_95: float
-    """Aggregate fourth power of all speeds that 95 % of the road stays below [-]."""
-    body_acceleration: float
-    """Of the body, rms [m/s^2]."""
-    weighted_acceleration: float
-    """The same weighted by W_k (ISO 2631-1), rms [m/s^2]."""
-    suspension_travel: float
-    """Largest of all roads and speeds [m]."""
-    least_force: float
-    """Least tire force of all roads and speeds over the static load [-]."""
-    switching_rate: float
-    """Switches of the damper [1/s]."""
-
-    def __repr__(self) -> str:
-        return (
-            f"Row({self.strategy!r}, DAF {self.daf:.4f}, at {self.worst_speed * 3.6:g} km/h "
-            f"{self.worst_daf:.4f}, DAE {self.dae:.4f}, load coefficient "
-            f"{self.dynamic_load_coefficient:.4f}, body acceleration {self.body_acceleration:.3g} "
-            f"m/s^2, travel up to {self.suspension_travel * 1e3:.3g} mm)"
-        )
-
-
-class ClassRow(NamedTuple):
-    """One strategy over a road class, of a board made by `score`: means over the speeds."""
-
-    strategy: str
-    """Its name."""
-    dae: float
-    """Mean DAE of second order over the class, in closed form [-]."""
-    dae_spread: float
-    """Its standard deviation over the class, in closed form [-]."""
-    daf: float
-    """Mean simulated DAF of the roads of the class [-]."""
-    daf_spread: float
-    """Standard deviation of the simulated DAF over those roads [-]; NaN for a single road."""
-
-
-class Ranking(NamedTuple):
-    """How an estimate orders the strategies of a board made by `score`."""
-
-    estimate: str
-    """What it is."""
-    roads: str
-    """The roads of the simulation."""
-    agreement: Agreement
-    """Kendall's tau with the simulated values."""
-    pairs: Pairs | None
-    """Of the pairs that differ clearly in mean DAF, those in the right order; None of a spread."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +50,7 @@ class Scoreboard:
     speeds : ndarray, shape (n_speeds,)
         Speeds c [m/s].
     values : mapping of str to ndarray, shape (n_strategies, n_roads, n_speeds)
-        Every measure: see `bridgectl.scoring.board.MEASURES`, which has the units.
+        Every measure: see `bridgectl.scoring.rows.MEASURES`, which has the units.
     daf_smooth : ndarray, shape (n_strategies, n_speeds)
         DAF of a smooth road.
     fourth_power_95 : ndarray, shape (n_strategies, n_roads)
@@ -194,8 +100,6 @@ class Scoreboard:
         )
 
     def __str__(self) -> str:
-        from bridgectl.scoring.text import score_text  # late, for it lies above this module
-
         return score_text(self)
 
     def difference(
@@ -208,7 +112,7 @@ class Scoreboard:
         strategy : str
             The strategy.
         measure : str, optional
-            One of `bridgectl.scoring.board.MEASURES`, averaged over the speeds.
+            One of `bridgectl.scoring.rows.MEASURES`, averaged over the speeds.
         baseline : str, optional
             What it is compared with. Default: the first strategy.
 

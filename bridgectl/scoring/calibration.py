@@ -12,7 +12,8 @@ from bridgectl._checks import FloatArray
 from bridgectl.dampers import simulate_loop
 from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
 from bridgectl.road import iso8608_elevations
-from bridgectl.road.iso8608 import DEFAULT_BAND, Seed
+from bridgectl.road.iso8608 import Seed
+from bridgectl.road.spectrum import DEFAULT_BAND
 from bridgectl.surface.class_dae import ClassDae
 from bridgectl.surface.histories import FeedbackHistories
 

@@ -30,7 +30,7 @@ from bridgectl.measures.weighting import weighted_rms
 from bridgectl.model.beam import Beam
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
-from bridgectl.scoring.board import MEASURES, Scoreboard
+from bridgectl.scoring.board import Scoreboard
 from bridgectl.scoring.classes import (
     class_part,
     class_shapes,
@@ -39,6 +39,7 @@ from bridgectl.scoring.classes import (
     n_class_ramps,
 )
 from bridgectl.scoring.file import Part, Parts, Shapes
+from bridgectl.scoring.rows import MEASURES
 from bridgectl.scoring.study import (
     ROADS_AT_ONCE,
     Piece,

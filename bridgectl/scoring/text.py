@@ -11,7 +11,7 @@ from rich.table import Table
 
 from bridgectl._tables import make_console, make_table
 from bridgectl.scoring.agreement import CONFIDENCE, Paired
-from bridgectl.scoring.board import CLASS_DAE, ClassRow, Ranking, Row, Scoreboard
+from bridgectl.scoring.rows import CLASS_DAE, Board, ClassRow, Ranking, Row
 
 NAMED_ROADS = 4
 """Roads that the heading names."""
@@ -46,7 +46,7 @@ the same roads, those that the estimate has in the right order.
 """
 
 
-def score_text(board: Scoreboard) -> str:
+def score_text(board: Board) -> str:
     """Return the tables of a scoreboard and what they say, as text of 100 columns."""
     text = io.StringIO()
     with contextlib.redirect_stdout(text):
@@ -54,7 +54,7 @@ def score_text(board: Scoreboard) -> str:
     return text.getvalue()
 
 
-def print_score(board: Scoreboard) -> None:
+def print_score(board: Board) -> None:
     """Print the tables of a scoreboard and what they say."""
     console, rows, first = make_console(), board.rows(), board.strategies[0]
     console.print(_heading(board))
@@ -77,7 +77,7 @@ def print_score(board: Scoreboard) -> None:
         console.print(line)
 
 
-def dae_sentences(board: Scoreboard, rankings: Sequence[Ranking]) -> list[str]:
+def dae_sentences(board: Board, rankings: Sequence[Ranking]) -> list[str]:
     """Say what DAE can rank, and what it cannot."""
     rows = board.rows()
     if len(rows) == 1:
@@ -114,7 +114,7 @@ def _tau(ranking: Ranking) -> str:
     return f"{tau:.2f}" + ("" if math.isnan(low) else f" [{low:.2f}, {high:.2f}]")
 
 
-def _why_no_class(board: Scoreboard) -> str:
+def _why_no_class(board: Board) -> str:
     classes = " and ".join(sorted(set(board.road_classes)))
     return f"the roads are of class {classes}, whose unit ramp would be higher than long"
 
@@ -144,7 +144,7 @@ def _level_sentence(rows: Sequence[Row]) -> str:
     )
 
 
-def _daf_sentences(board: Scoreboard, rows: Sequence[Row]) -> list[str]:
+def _daf_sentences(board: Board, rows: Sequence[Row]) -> list[str]:
     best, first = rows[0], board.strategies[0]
     if len(rows) == 1:
         return []
@@ -168,7 +168,7 @@ def _daf_sentences(board: Scoreboard, rows: Sequence[Row]) -> list[str]:
     return lines
 
 
-def _heading(board: Scoreboard) -> str:
+def _heading(board: Board) -> str:
     """What was simulated."""
     kmh = board.speeds * 3.6
     names = list(board.roads)
@@ -242,7 +242,7 @@ def _known(value: float, digits: int) -> str:
     return "-" if math.isnan(value) else f"{value:.{digits}f}"
 
 
-def _class_table(board: Scoreboard, names: Sequence[str]) -> Table:
+def _class_table(board: Board, names: Sequence[str]) -> Table:
     columns = ["strategy"]
     for name in names:
         columns += [f"class {name}\nDAE", "spread", "DAF", "spread"]

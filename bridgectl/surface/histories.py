@@ -1,15 +1,12 @@
-"""Moment histories of unit ramps, in factored form.
+"""Moment histories of unit ramps: what superposes, and the propagation that gives all of them.
 
-The road's slope over one ramp, a pulse, leaves a free response behind. A crossing is cut
-into blocks of cells: within a block the response to each of its few ramps is kept as it is;
-beyond it, a ramp lives on in the states it leaves at the block's end, and every later
-moment is a row times those states. All histories of a speed come from one propagation, and
-no transition matrix is ever inverted, so stiff or heavily damped vehicles are no different.
+All histories of a speed come from one propagation, in the factored form of
+`bridgectl.surface.factored`, and no transition matrix is ever inverted, so stiff or heavily damped
+vehicles are no different.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -19,10 +16,9 @@ from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import SAME_PLACE, SAMPLES, Cells, bridge_entry, build_cells
-from bridgectl.linear.peaks import find_peaks, margins, raise_peaks, whole_cells
+from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.runs import Run, speed_batches
-
-ALL = slice(None)
+from bridgectl.surface.factored import FactoredHistories, joined
 
 BATCH_BYTES = 16e6
 """Memory of the maps of the speeds treated at once: as much again goes into their products."""
@@ -121,118 +117,6 @@ class DenseHistories:
         return unit @ drops if isinstance(drops, np.ndarray) else unit * drops
 
 
-@dataclass(frozen=True)
-class FactoredHistories:
-    """Histories as products of rows and states, block by block.
-
-    Axis names: S speeds, B blocks, T samples in a block, N ramps, L ramps at work in a block,
-    n states: vehicle, beam, and the road under each tire.
-
-    Attributes
-    ----------
-    nodes : ndarray
-        Positions of the reference tire at the ends of the cells on the bridge [m].
-    smooth : ndarray, shape (S, n_samples)
-        Normalized moment on a smooth road.
-    entry : ndarray, shape (S, n, N)
-        States as the reference tire reaches the bridge.
-    local : ndarray of int, shape (B, L)
-        The ramps at work in each block; N where there are fewer.
-    carried, added : ndarray, shapes (S, B, n, n) and (S, B, n, L)
-        States at a block's end from those at its start and from its ramps.
-    rows, direct : ndarray, shapes (S, B, T + 1, n) and (S, B, T + 1, L)
-        Normalized moment at the samples of a block, likewise; the last sample is the first of
-        the next block.
-    """
-
-    nodes: FloatArray
-    smooth: FloatArray
-    entry: FloatArray
-    local: NDArray[np.intp]
-    carried: FloatArray
-    added: FloatArray
-    rows: FloatArray
-    direct: FloatArray
-
-    def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
-        """See `Histories.moments`."""
-        if isinstance(drops, np.ndarray):
-            blocks = self._of_roads(speed, drops)
-        else:
-            ramps = _RampsApart(self, speed, drops)
-            blocks = (ramps.block(block) for block in range(len(self.local)))
-        return _joined(blocks)[: self.smooth.shape[1]]
-
-    def peaks(self, speed: int, drops: float) -> FloatArray:
-        """See `Histories.peaks`. Only where some ramp may have its peak are histories computed."""
-        per_block, smooth = self.rows.shape[2] - 1, self.smooth[speed]
-        ramps = _RampsApart(self, speed, drops)
-        top = min(int(smooth.argmax()), len(smooth) - 2)
-        block, sample = divmod(top, per_block)
-        best = smooth[top] + ramps.block(block, slice(sample, sample + 1))[0]
-        # Between samples a moment rises above them by its margin, to which a ramp adds as much as
-        # its reach.
-        room = margins(smooth[:, np.newaxis])[0] + 2 * ramps.reach()
-        for block in range(-(-(len(smooth) - 1) // per_block)):
-            samples = smooth[block * per_block : (block + 1) * per_block + 1]
-            high = np.nonzero(samples + room[block] >= best.min())[0]
-            if high.size:
-                cells = slice(*whole_cells(high[0], high[-1], len(samples)))
-                moment = ramps.block(block, cells)
-                moment += samples[cells, np.newaxis]
-                raise_peaks(best, moment)
-        return best
-
-    def _of_roads(self, speed: int, drops: FloatArray) -> Iterator[FloatArray]:
-        """Histories of roads, block by block."""
-        states = self.entry[speed] @ drops
-        drops = np.pad(drops, ((0, 1), (0, 0)))
-        for block, local in enumerate(self.local):
-            here = drops[local]
-            yield self.rows[speed, block] @ states + self.direct[speed, block] @ here
-            states = self.carried[speed, block] @ states + self.added[speed, block] @ here
-
-
-class _RampsApart:
-    """Histories of each ramp on its own, as high as `drop` [m], at one speed.
-
-    Ramps that every tire has passed at the entry live on in the entry states alone: the rows of
-    each block meet those, through the blocks before it. The others have states at each block.
-    """
-
-    def __init__(self, histories: FactoredHistories, speed: int, drop: float) -> None:
-        self.local = histories.local
-        carried, self.rows = histories.carried[speed], histories.rows[speed]
-        entry, added = histories.entry[speed] * drop, histories.added[speed] * drop
-        self.direct = histories.direct[speed] * drop
-        self.n_passed = min(int(self.local.min()), entry.shape[1])
-        self.passed = entry[:, : self.n_passed]
-        self.from_entry = np.empty_like(self.rows)
-        # One more column takes what the unused places of `local` bring.
-        others = np.pad(entry[:, self.n_passed :], ((0, 0), (0, 1)))
-        self.states = np.empty((len(self.local), *others.shape))
-        through = np.eye(len(entry))
-        for block, here in enumerate(self.local - self.n_passed):
-            self.from_entry[block], self.states[block] = self.rows[block] @ through, others
-            through, others = carried[block] @ through, carried[block] @ others
-            others[:, here] += added[block]
-
-    def block(self, block: int, samples: slice = ALL) -> FloatArray:
-        """Histories in a block, or at some samples of it, (T + 1, N)."""
-        others = self.rows[block, samples] @ self.states[block]
-        others[:, self.local[block] - self.n_passed] += self.direct[block, samples]
-        if self.n_passed == 0:
-            return others[:, :-1]
-        return np.hstack([self.from_entry[block, samples] @ self.passed, others[:, :-1]])
-
-    def reach(self) -> FloatArray:
-        """What no ramp exceeds in a block, at samples: a bound, (B,)."""
-        others = np.abs(self.rows).max(axis=1) * np.abs(self.states).max(axis=2)
-        reach = others.sum(axis=1) + np.abs(self.direct).max(axis=(1, 2))
-        passed = np.abs(self.from_entry).max(axis=1) @ np.abs(self.passed).max(axis=1, initial=0.0)
-        return np.asarray(np.maximum(reach, passed))
-
-
 def factor_histories(
     run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int
 ) -> FactoredHistories:
@@ -264,16 +148,10 @@ def factor_histories(
         np.concatenate(arrays) for arrays in zip(*parts, strict=True)
     )
     n_samples = len(SAMPLES) * n_cells + 1
-    smooth = np.array([_joined(blocks)[:n_samples] for blocks in smooth])
+    smooth = np.array([joined(blocks)[:n_samples] for blocks in smooth])
     return FactoredHistories(
         nodes[: n_cells + 1], smooth, entries, local, carried, added, rows, direct
     )
-
-
-def _joined(blocks: Iterable[FloatArray]) -> FloatArray:
-    """Blocks of samples, each ending where the next begins, as one history."""
-    first, *others = blocks
-    return np.concatenate([first, *(block[1:] for block in others)])
 
 
 def _ramps_of_cells(
@@ -378,35 +256,35 @@ def _factor_blocks(
     """
     n, n_speeds = cells.n_states, len(cells.free)
     n_blocks, per_block, n_tires, n_local = rises.shape
-    carried = slice(n + n_tires)
-    ramps = slice(n + n_tires, n + n_tires + n_local)
-    road = _block_road_rows(rises, n)
-    n_columns = road.shape[-1]
-    states = np.zeros((n_speeds, n_blocks, n + road.shape[-2], n_columns))
-    states[:, :, np.arange(n), np.arange(n)] = 1.0
+    own, road, beyond = slice(n), slice(n, n + n_tires), slice(n, None)
+    carried, ramps, loads = slice(n + n_tires), slice(n + n_tires, n + n_tires + n_local), -1
+    road_rows = _block_road_rows(rises, n)
+    n_columns = road_rows.shape[-1]
+    states = np.zeros((n_speeds, n_blocks, n + road_rows.shape[-2], n_columns))
+    states[:, :, own, own] = np.eye(n)
     effects = np.empty((n_speeds, n_blocks, per_block * len(SAMPLES) + 1, n_columns))
     at_nodes = _node_rows(run, cells)
     through = np.concatenate(cells.transitions(), axis=-1)
     by_block = np.arange(n_blocks * per_block).reshape(n_blocks, per_block)
     for k in range(per_block):
-        states[:, :, n:] = road[:, k]
+        states[:, :, beyond] = road_rows[:, k]
         cell, sample = by_block[:, k], len(SAMPLES) * k
-        after = through[:, cell] @ states
+        after = through[:, cell] @ states  # rows: states, effect at the samples of the cell
         effects[:, :, sample] = (at_nodes[cell, np.newaxis] @ states)[:, :, 0]
-        effects[:, :, sample + 1 : sample + len(SAMPLES)] = after[:, :, n:]
-        states[:, :, :n] = after[:, :, :n]
+        effects[:, :, sample + 1 : sample + len(SAMPLES)] = after[:, :, beyond]
+        states[:, :, own] = after[:, :, own]
 
     ends = np.zeros((n_speeds, n_blocks, n + n_tires, n_columns))
-    ends[:, :, :n] = states[:, :, :n]
-    ends[:, :, n:, n : n + n_tires] = np.eye(n_tires)
-    ends[:, :, n:, ramps] = rises.sum(axis=1)
+    ends[:, :, own] = states[:, :, own]
+    ends[:, :, road, road] = np.eye(n_tires)
+    ends[:, :, road, ramps] = rises.sum(axis=1)
     # The road that the last cell of a block ends on.
-    states[:, :, n : n + n_tires] += road[:, -1, n_tires + 1 :]
+    states[:, :, road] += road_rows[:, -1, n_tires + 1 :]
     effects[:, :, -1] = (at_nodes[by_block[:, -1] + 1, np.newaxis] @ states)[:, :, 0]
     smooth, now = [], np.zeros((n_speeds, n + n_tires))
     for rows, end in zip(effects.swapaxes(0, 1), ends.swapaxes(0, 1), strict=True):
-        smooth.append(rows[:, :, -1] + np.einsum("sti,si->st", rows[..., carried], now))
-        now = np.einsum("sij,sj->si", end[..., carried], now) + end[..., -1]
+        smooth.append(rows[..., loads] + np.einsum("sti,si->st", rows[..., carried], now))
+        now = np.einsum("sij,sj->si", end[..., carried], now) + end[..., loads]
     return (
         np.stack(smooth, axis=1),
         entry,
@@ -421,25 +299,28 @@ def _block_road_rows(rises: FloatArray, n_states: int) -> FloatArray:
     """Road rows of the cells (B, K, 2 tires + 1, columns) for the columns of a block."""
     n_tires, n_local = rises.shape[2:]
     first = n_states + n_tires
-    tires = np.arange(n_tires)
+    road, ramps, loads = slice(n_states, first), slice(first, first + n_local), -1
+    at_start, of_loads, rise = slice(n_tires), n_tires, slice(n_tires + 1, None)
     rows = np.zeros((*rises.shape[:2], 2 * n_tires + 1, first + n_local + 1))
-    rows[:, :, tires, n_states + tires] = 1.0
-    rows[:, 1:, :n_tires, first:-1] = np.cumsum(rises, axis=1)[:, :-1]
-    rows[:, :, n_tires, -1] = 1.0
-    rows[:, :, n_tires + 1 :, first:-1] = rises
+    rows[:, :, at_start, road] = np.eye(n_tires)
+    rows[:, 1:, at_start, ramps] = np.cumsum(rises, axis=1)[:, :-1]
+    rows[:, :, of_loads, loads] = 1.0
+    rows[:, :, rise, ramps] = rises
     return rows
 
 
 def _node_rows(run: Run, cells: Cells) -> FloatArray:
     """The crossing's effect at each node from the states and the road rows, (C + 1, ...)."""
-    crossing, vehicle, n = run.crossing, run.crossing.linear, run.crossing.n_vehicle
+    crossing, vehicle, n = run.crossing, run.crossing.linear, cells.n_states
     gain, per_state, constant = crossing.rows(cells.nodes)
     spring = gain * vehicle.tire_stiffnesses
     deflections = np.einsum("ck,ckj->cj", spring, crossing.tire_shapes(cells.nodes))
-    rows = np.zeros((len(cells.nodes), cells.n_states + 2 * vehicle.n_tires + 1))
-    rows[:, : cells.n_states] = per_state
-    rows[:, :n] += spring @ vehicle.hubs
-    rows[:, n : cells.n_states : 2] -= deflections
-    rows[:, cells.n_states : cells.n_states + vehicle.n_tires] = -spring
-    rows[:, cells.n_states + vehicle.n_tires] = gain @ vehicle.static_loads + constant
+    of_vehicle, of_modes = slice(crossing.n_vehicle), slice(crossing.n_vehicle, n, 2)
+    at_start, of_loads = slice(n, n + vehicle.n_tires), n + vehicle.n_tires
+    rows = np.zeros((len(cells.nodes), n + 2 * vehicle.n_tires + 1))
+    rows[:, :n] = per_state
+    rows[:, of_vehicle] += spring @ vehicle.hubs
+    rows[:, of_modes] -= deflections
+    rows[:, at_start] = -spring
+    rows[:, of_loads] = gain @ vehicle.static_loads + constant
     return rows

@@ -10,7 +10,6 @@ import numpy as np
 
 from bridgectl import _version
 from bridgectl.surface.parts import COMPUTED, UNITS, leaves, require_surface
-from bridgectl.surface.surface import RampSurface
 
 if TYPE_CHECKING:
     import xarray
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 _INSTALL = 'pip install "bridgectl[xarray]"'
 
 
-def surface_to_xarray(surface: RampSurface) -> xarray.Dataset:
+def surface_to_xarray(surface: Any) -> xarray.Dataset:
     """Return a ramp surface as labelled arrays, without its histories.
 
     Parameters
@@ -83,7 +82,7 @@ def _labels(unit: str, name: str) -> dict[str, str]:
     return {"units": unit, "long_name": name}
 
 
-def _attributes(surface: RampSurface) -> Iterator[tuple[str, Any]]:
+def _attributes(surface: Any) -> Iterator[tuple[str, Any]]:
     """Parameters as NetCDF can hold them: numbers, lists of them, and text."""
     yield "bridgectl_version", _version.__version__
     yield "vehicle", type(surface.vehicle).__name__

@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from bridgectl.surface.surface import RampSurface
-
 UNITS = {
     "section": "1", "approach": "m", "ramp_length": "m", "ramp_height": "m",
     "speeds": "m/s", "positions": "m", "daf_smooth": "1", "daf_unit": "1", "daf_rise": "1",
@@ -52,7 +50,8 @@ AXES: dict[str, tuple[str, ...]] = {
 
 def require_surface(surface: Any) -> None:
     """Raise a TypeError for what is no ramp surface."""
-    if not isinstance(surface, RampSurface):
+    # Its class lies above this module.
+    if not all(hasattr(surface, name) for name in COMPUTED):
         raise TypeError(
             f"surface must be a bridgectl.RampSurface, got {type(surface).__name__}: "
             "type surface = bridgectl.ramp_surface(beam, vehicle, speeds)"

@@ -23,10 +23,12 @@ from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile, ramp_covariance
-from bridgectl.road.iso8608 import DEFAULT_BAND
 from bridgectl.road.sampling import COARSE
+from bridgectl.road.spectrum import DEFAULT_BAND
 from bridgectl.surface.class_dae import ClassDae, over_class
+from bridgectl.surface.file import save_surface
 from bridgectl.surface.histories import FeedbackHistories, Histories, superposed
+from bridgectl.surface.labelled import surface_to_xarray
 from bridgectl.surface.tire_contact import TireContact
 
 if TYPE_CHECKING:
@@ -449,14 +451,10 @@ class RampSurface:
         path : str or path-like
             The file; `bridgectl.load_surface` reads it back to the bit.
         """
-        from bridgectl.surface.file import save_surface  # late, for it lies above this module
-
         save_surface(self, path)
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the surface as a dataset: see `bridgectl.surface.labelled.surface_to_xarray`."""
-        from bridgectl.surface.labelled import surface_to_xarray
-
         return surface_to_xarray(self)
 
     def plot(self, *, difference: bool = False, ax: Axes | None = None) -> Axes:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
-from bridgectl.linear.cells import MAX_VEHICLE_PHASE
+from bridgectl.linear.nodes import MAX_VEHICLE_PHASE
 from bridgectl.linear.runs import Run
 from bridgectl.surface.histories import factor_histories, superposed
 

@@ -1,0 +1,65 @@
+"""Where a crossing is cut into cells: at what is not smooth, and finely enough between."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bridgectl._checks import FloatArray
+from bridgectl._work import MOST_CELLS
+from bridgectl.linear.cells import SAME_PLACE, merge_places
+from bridgectl.model.crossing import Crossing
+
+MAX_WIDTH = 0.1
+"""Widest cell [m]: the paper's segment length, below which road waves do not matter."""
+
+# Largest advance of phase in a cell [rad], of the vehicle's fastest motion and of the highest
+# mode. Moments are then within 1e-7 of their converged values (tests/test_propagator.py).
+MAX_VEHICLE_PHASE = 0.4
+MAX_BEAM_PHASE = 1.7
+
+
+def kink_positions(
+    crossing: Crossing, start: float, end: float, stations: FloatArray
+) -> FloatArray:
+    """Positions from `start` to `end` where the motion is not smooth, both included [m].
+
+    There a tire meets one of the `stations` (the road's ramps), enters, leaves, or passes the
+    section.
+    """
+    length = crossing.beam.length
+    places = np.concatenate([stations, [0.0, crossing.section * length, length]])
+    kinks = np.add.outer(places, crossing.linear.tire_offsets).ravel()
+    inside = (kinks > start + SAME_PLACE) & (kinks < end - SAME_PLACE)
+    return merge_places(np.concatenate([[start], kinks[inside], [end]]))
+
+
+def fastest_motion(crossing: Crossing) -> float:
+    """Fastest motion of the vehicle on a rigid road [rad/s]."""
+    return float(np.abs(np.linalg.eigvals(crossing.linear.state_matrix_on_tires())).max())
+
+
+def cell_width(vehicle: float, beam: float, speed: float) -> float:
+    """Width of cells [m] that are short for motions of vehicle and beam [rad/s] at a speed."""
+    return min(MAX_WIDTH, MAX_VEHICLE_PHASE / vehicle * speed, MAX_BEAM_PHASE / beam * speed)
+
+
+def cell_nodes(crossing: Crossing, speed: float, kinks: FloatArray, refine: int = 1) -> FloatArray:
+    """Place the nodes of the cells: at the kinks, and between them where cells are too long.
+
+    Cells are short enough for the fastest motions at `speed`, the slowest of a batch;
+    `refine` cuts each into as many again.
+    """
+    fastest, highest = fastest_motion(crossing), float(crossing.beam.omega[-1])
+    width = cell_width(fastest, highest, speed)
+    pieces = refine * np.ceil(np.diff(kinks) / width - SAME_PLACE)
+    if pieces.sum() > MOST_CELLS:
+        raise ValueError(
+            f"the crossing at {speed:g} m/s needs {pieces.sum():.3g} cells of {width:.2g} m, more "
+            f"than {MOST_CELLS:.0f}: the vehicle's fastest motion is at {fastest:.3g} rad/s (check "
+            f"stiffnesses, damping and masses), the beam's at {highest:.3g} rad/s "
+            "(type a smaller n_modes)"
+        )
+    pieces = pieces.astype(int)
+    first, steps = np.repeat([kinks[:-1], np.diff(kinks) / pieces], pieces, axis=1)
+    within = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    return np.append(first + within * steps, kinks[-1])

@@ -1,0 +1,141 @@
+"""Moment histories as products of rows and states, block by block, and what is read from them.
+
+The road's slope over one ramp, a pulse, leaves a free response behind. A crossing is cut
+into blocks of cells: within a block the response to each of its few ramps is kept as it is;
+beyond it, a ramp lives on in the states it leaves at the block's end, and every later
+moment is a row times those states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridgectl._checks import FloatArray
+from bridgectl.linear.peaks import margins, raise_peaks, whole_cells
+
+ALL = slice(None)
+
+
+@dataclass(frozen=True)
+class FactoredHistories:
+    """Histories as products of rows and states, block by block.
+
+    Axis names: S speeds, B blocks, T samples in a block, N ramps, L ramps at work in a block,
+    n states: vehicle, beam, and the road under each tire.
+
+    Attributes
+    ----------
+    nodes : ndarray
+        Positions of the reference tire at the ends of the cells on the bridge [m].
+    smooth : ndarray, shape (S, n_samples)
+        Normalized moment on a smooth road.
+    entry : ndarray, shape (S, n, N)
+        States as the reference tire reaches the bridge.
+    local : ndarray of int, shape (B, L)
+        The ramps at work in each block; N where there are fewer.
+    carried, added : ndarray, shapes (S, B, n, n) and (S, B, n, L)
+        States at a block's end from those at its start and from its ramps.
+    rows, direct : ndarray, shapes (S, B, T + 1, n) and (S, B, T + 1, L)
+        Normalized moment at the samples of a block, likewise; the last sample is the first of
+        the next block.
+    """
+
+    nodes: FloatArray
+    smooth: FloatArray
+    entry: FloatArray
+    local: NDArray[np.intp]
+    carried: FloatArray
+    added: FloatArray
+    rows: FloatArray
+    direct: FloatArray
+
+    def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
+        """See `bridgectl.surface.histories.Histories.moments`."""
+        if isinstance(drops, np.ndarray):
+            blocks = self._of_roads(speed, drops)
+        else:
+            ramps = RampsApart(self, speed, drops)
+            blocks = (ramps.block(block) for block in range(len(self.local)))
+        return joined(blocks)[: self.smooth.shape[1]]
+
+    def peaks(self, speed: int, drops: float) -> FloatArray:
+        """See `bridgectl.surface.histories.Histories.peaks`.
+
+        Only where some ramp may have its peak are histories computed.
+        """
+        per_block, smooth = self.rows.shape[2] - 1, self.smooth[speed]
+        ramps = RampsApart(self, speed, drops)
+        top = min(int(smooth.argmax()), len(smooth) - 2)
+        block, sample = divmod(top, per_block)
+        best = smooth[top] + ramps.block(block, slice(sample, sample + 1))[0]
+        # Between samples a moment rises above them by its margin, to which a ramp adds as much as
+        # its reach.
+        room = margins(smooth[:, np.newaxis])[0] + 2 * ramps.reach()
+        for block in range(-(-(len(smooth) - 1) // per_block)):
+            samples = smooth[block * per_block : (block + 1) * per_block + 1]
+            high = np.nonzero(samples + room[block] >= best.min())[0]
+            if high.size:
+                cells = slice(*whole_cells(high[0], high[-1], len(samples)))
+                moment = ramps.block(block, cells)
+                moment += samples[cells, np.newaxis]
+                raise_peaks(best, moment)
+        return best
+
+    def _of_roads(self, speed: int, drops: FloatArray) -> Iterator[FloatArray]:
+        """Histories of roads, block by block."""
+        states = self.entry[speed] @ drops
+        drops = np.pad(drops, ((0, 1), (0, 0)))
+        for block, local in enumerate(self.local):
+            here = drops[local]
+            yield self.rows[speed, block] @ states + self.direct[speed, block] @ here
+            states = self.carried[speed, block] @ states + self.added[speed, block] @ here
+
+
+class RampsApart:
+    """Histories of each ramp on its own, as high as `drop` [m], at one speed.
+
+    Ramps that every tire has passed at the entry live on in the entry states alone: the rows of
+    each block meet those, through the blocks before it. The others have states at each block.
+    """
+
+    def __init__(self, histories: FactoredHistories, speed: int, drop: float) -> None:
+        self.local = histories.local
+        carried, self.rows = histories.carried[speed], histories.rows[speed]
+        entry, added = histories.entry[speed] * drop, histories.added[speed] * drop
+        self.direct = histories.direct[speed] * drop
+        self.n_passed = min(int(self.local.min()), entry.shape[1])
+        self.passed = entry[:, : self.n_passed]
+        self.from_entry = np.empty_like(self.rows)
+        # One more column takes what the unused places of `local` bring.
+        others = np.pad(entry[:, self.n_passed :], ((0, 0), (0, 1)))
+        self.states = np.empty((len(self.local), *others.shape))
+        through = np.eye(len(entry))
+        for block, here in enumerate(self.local - self.n_passed):
+            self.from_entry[block], self.states[block] = self.rows[block] @ through, others
+            through, others = carried[block] @ through, carried[block] @ others
+            others[:, here] += added[block]
+
+    def block(self, block: int, samples: slice = ALL) -> FloatArray:
+        """Histories in a block, or at some samples of it, (T + 1, N)."""
+        others = self.rows[block, samples] @ self.states[block]
+        others[:, self.local[block] - self.n_passed] += self.direct[block, samples]
+        if self.n_passed == 0:
+            return others[:, :-1]
+        return np.hstack([self.from_entry[block, samples] @ self.passed, others[:, :-1]])
+
+    def reach(self) -> FloatArray:
+        """What no ramp exceeds in a block, at samples: a bound, (B,)."""
+        others = np.abs(self.rows).max(axis=1) * np.abs(self.states).max(axis=2)
+        reach = others.sum(axis=1) + np.abs(self.direct).max(axis=(1, 2))
+        passed = np.abs(self.from_entry).max(axis=1) @ np.abs(self.passed).max(axis=1, initial=0.0)
+        return np.asarray(np.maximum(reach, passed))
+
+
+def joined(blocks: Iterable[FloatArray]) -> FloatArray:
+    """Blocks of samples, each ending where the next begins, as one history."""
+    first, *others = blocks
+    return np.concatenate([first, *(block[1:] for block in others)])
