@@ -25,12 +25,12 @@ from bridgectl.surface.expected import (
     require_expected,
 )
 from bridgectl.surface.factored import FactoredHistories
-from bridgectl.surface.file import PARTS, Array, checksum
+from bridgectl.surface.file import PARTS, WHOLE, Array, checksum
 from bridgectl.surface.histories import DenseHistories
 from bridgectl.surface.parts import dotted
 from bridgectl.surface.surface import RampSurface
 
-_CLASSES: dict[str, type[Any]] = {"RampSurface": RampSurface, **PARTS}
+_CLASSES: dict[str, type[Any]] = {WHOLE: RampSurface, **PARTS}
 
 
 class _Misfit(SurfaceFileError):  # noqa: N818
@@ -87,7 +87,7 @@ def load_surface(
     """
     file = _checks.path("path", path, "surface.npz")
     expected = checked_expectations(
-        _CLASSES["RampSurface"], beam=beam, vehicle=vehicle, section=section, recovery=recovery,
+        _CLASSES[WHOLE], beam=beam, vehicle=vehicle, section=section, recovery=recovery,
         approach=approach, speeds=speeds, **others,
     )  # fmt: skip
     try:
