@@ -5,6 +5,18 @@ moment over the peak static one. bridgectl gives the crossing as a control syste
 a road, and the dynamic amplification estimate (DAE) of Li, OBrien and Gonzalez (2006): the
 DAF of a smooth road plus what each 100 mm ramp of the road adds.
 
+Its rooms, each of which imports from those below it alone (`lint-imports`, `tests/house.py`)::
+
+    cli         the commands: options, tables
+    paper       parameters, printed numbers and validation of the paper
+    scoring     scores of damper strategies: run, board, text, file; animation
+    simulate    the front door: crossing_response, daf, ramp_surface choose an engine
+    dampers     strategies; loop/ closed loops, optimum/ the best with all known;  extremes
+    surface     ramp surfaces: compute, histories, DAE, trust, file
+    linear      linear crossings: cells, runs, peaks, lift-off
+    model       bridge, vehicle, load effects, the crossing of both;  road (files/);  measures
+    plots       figures of whatever has what they draw
+
 SI units throughout; speeds in m/s. Displacements are positive downward, road elevations
 positive upward.
 

@@ -49,7 +49,7 @@ def test_a_batch_of_superposed_dafs_is_what_is_simulated(surface, elevations):
 
 def test_batches_larger_than_what_fits_at_once_are_cut(surface, elevations, monkeypatch):
     whole = surface.superposed_daf(elevations)
-    monkeypatch.setattr("bridgectl.surface.surface.ROADS_AT_ONCE", 7)
+    monkeypatch.setattr("bridgectl.surface.ramps.ROADS_AT_ONCE", 7)
     assert surface.superposed_daf(elevations) == pytest.approx(whole, abs=1e-12)
 
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
@@ -17,34 +15,22 @@ from bridgectl._plausible import judge_roads
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.response import linear_dafs
-from bridgectl.linear.runs import linear_contact, prepare
-from bridgectl.model.beam import Beam
-from bridgectl.model.crossing import Crossing
-from bridgectl.model.quarter_car import QuarterCar
-from bridgectl.model.vehicle import Vehicle
+from bridgectl.linear.runs import prepare
 from bridgectl.road import RoadProfile, ramp_covariance
-from bridgectl.road.sampling import COARSE
 from bridgectl.road.spectrum import DEFAULT_BAND
 from bridgectl.surface.class_dae import ClassDae, over_class
 from bridgectl.surface.file import save_surface
 from bridgectl.surface.histories import FeedbackHistories, Histories, superposed
 from bridgectl.surface.labelled import surface_to_xarray
-from bridgectl.surface.tire_contact import TireContact
+from bridgectl.surface.ramps import Roads, UnitRamps, profiles, road_parts
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
 
-Roads = RoadProfile | Sequence[RoadProfile] | ArrayLike
-"""A road, several, or elevations at a surface's stations."""
-
-ROADS_AT_ONCE = 250
-"""Roads whose histories are superposed together."""
-
-
 @dataclass(frozen=True, eq=False)
-class RampSurface:
+class RampSurface(UnitRamps):
     """Dynamic amplification of unit ramps, by speed and place: Fig. 5 of the paper.
 
     Made by `ramp_surface`.
@@ -73,16 +59,6 @@ class RampSurface:
         The DAFs of ramps were computed at every so many-th place, with straight lines between.
     """
 
-    beam: Beam
-    vehicle: Vehicle | QuarterCar
-    section: float
-    recovery: str
-    effect: str
-    approach: float
-    ramp_length: float
-    ramp_height: float
-    speeds: FloatArray
-    positions: FloatArray
     daf_smooth: FloatArray
     daf_unit: FloatArray
     histories: Histories = field(repr=False)
@@ -140,89 +116,6 @@ class RampSurface:
             )
         return self.daf_rise
 
-    @property
-    def stations(self) -> FloatArray:
-        """Ends of the ramps [m]: where roads given as arrays have their elevations."""
-        return np.append(self.positions, self.positions[-1] + self.ramp_length)
-
-    def ramps(self, roads: Roads) -> FloatArray:
-        """Ramp scale factors s(i) of a road or of many, Eq. (14): positive for a drop.
-
-        Parameters
-        ----------
-        roads : RoadProfile, sequence of RoadProfile, or array_like
-            A road that covers the approach and the bridge, or several; or their elevations [m] at
-            `stations`, positive up, shape (n_ramps + 1,) or (n_roads, n_ramps + 1).
-
-        Returns
-        -------
-        ndarray, shape (n_ramps,) or (n_roads, n_ramps)
-
-        Raises
-        ------
-        TypeError
-            If `roads` is none of these.
-        ValueError
-            If a road does not cover the approach and the bridge, or the elevations do not fit
-            the stations.
-
-        Warns
-        -----
-        UserWarning
-            If a road was measured at steps longer than one foot and than a ramp: see
-            `RoadProfile.measured_step`.
-        """
-        if isinstance(roads, RoadProfile):
-            prepare(self._crossing(), roads, -self.approach, pieces=self.ramp_length)
-            ramps = roads.ramps(self.ramp_length, start=-self.approach, stop=self.beam.length)
-            return np.asarray(ramps.heights / self.ramp_height)
-        if isinstance(roads, Sequence) and any(isinstance(road, RoadProfile) for road in roads):
-            return np.array([self.ramps(road) for road in roads])
-        try:
-            elevations = _checks.floats("roads", cast(ArrayLike, roads), unit="m")
-        except TypeError:
-            raise TypeError(
-                "roads must be a RoadProfile, a list of them, or elevations [m] at the surface's "
-                f"stations, got {type(roads).__name__}"
-            ) from None
-        if elevations.ndim not in (1, 2) or elevations.shape[-1] != len(self.positions) + 1:
-            raise ValueError(
-                f"roads must have elevations at the {len(self.positions) + 1} stations of the "
-                f"surface, shape (n_roads, {len(self.positions) + 1}), got {elevations.shape}: "
-                "type RoadProfile(x, elevation)"
-            )
-        scales = elevations[..., :-1] - elevations[..., 1:]
-        scales /= self.ramp_height
-        if not np.isfinite(scales).all():
-            raise ValueError("roads must be finite elevations [m]")
-        return scales
-
-    def road(self, drops: ArrayLike, name: str = "") -> RoadProfile:
-        """Road of straight ramps: what superposed histories belong to; see `ramps`.
-
-        Parameters
-        ----------
-        drops : array_like, shape (n_ramps,)
-            Drop over each ramp [m], positive downward.
-        name : str, optional
-            Name of the road.
-
-        Returns
-        -------
-        RoadProfile
-            Over approach and bridge, at elevation 0 where it starts.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If there is not one drop for each ramp, or a ramp is steeper than 1 m/m.
-        """
-        falls = _checks.array("drops", drops, (len(self.positions),), unit="m")
-        x = np.append(self.positions, self.positions[-1] + self.ramp_length)
-        road = RoadProfile(x, -np.append(0.0, np.cumsum(falls)), name=name)
-        # Its ramps are meant to be straight, whatever their length.
-        return road._measured_as(min(self.ramp_length, COARSE))
-
     @on_one_thread
     def dae(self, roads: Roads, *, order: int = 1) -> FloatArray:
         """Dynamic amplification estimate of a road or of many, Eq. (15).
@@ -275,7 +168,7 @@ class RampSurface:
         """
         first, second = self._effects(order)
         scales = self.ramps(roads)
-        judge_roads(*_profiles(roads))
+        judge_roads(*profiles(roads))
         estimate: FloatArray = scales @ first.T
         if second is not None:
             estimate += scales**2 @ second.T
@@ -366,7 +259,7 @@ class RampSurface:
         scales = self.ramps(road)
         if scales.ndim != 1:
             raise ValueError(f"road must be one road, got {len(scales)}: take one at a time")
-        judge_roads(*_profiles(road))
+        judge_roads(*profiles(road))
         first, second = self._effects(order)
         return np.asarray(first * scales if second is None else first * scales + second * scales**2)
 
@@ -400,7 +293,7 @@ class RampSurface:
         """
         scales = self.ramps(roads)
         drops = np.atleast_2d(scales) * self.ramp_height
-        judge_roads(*_profiles(roads))
+        judge_roads(*profiles(roads))
         values = np.hstack([self._superposed(part) for part in road_parts(drops.T)])
         for road in np.nonzero(~np.isfinite(values).all(axis=0))[0]:
             again = ~np.isfinite(values[:, road])
@@ -415,33 +308,6 @@ class RampSurface:
             values[i] = find_peaks(superposed(self.histories, i, drops)).values
         values[self.near_lift_off(drops)] = np.nan
         return values
-
-    def near_lift_off(self, drops: FloatArray) -> NDArray[np.bool_]:
-        """Tell where a tire force falls below 5 % of its static load in the linear crossing.
-
-        Of vehicles with several tires: where one falls below zero.
-
-        Parameters
-        ----------
-        drops : ndarray, shape (n_ramps, n_roads)
-            Drop over each ramp of each road [m].
-
-        Returns
-        -------
-        ndarray of bool, shape (n_speeds, n_roads)
-        """
-        if self._contact is not None:
-            return np.array([self._contact.doubtful(i, drops) for i in range(len(self.speeds))])
-        runs = [prepare(self._crossing(), self.road(road), -self.approach) for road in drops.T]
-        return ~np.column_stack([linear_contact(run, self.speeds) for run in runs])
-
-    @cached_property
-    def _contact(self) -> TireContact | None:
-        """Tire forces of the same ramps; None for several tires, whose roads are simulated."""
-        if self.vehicle.linear.n_tires > 1:
-            return None
-        run = prepare(self._crossing(), self.road(np.zeros(len(self.positions))), -self.approach)
-        return TireContact(run, self.speeds, self.ramp_length, len(self.positions))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Save the surface to an NPZ file: see `bridgectl.surface.file.save_surface`.
@@ -474,20 +340,3 @@ class RampSurface:
         from bridgectl.plots import surface_plot  # late, for matplotlib is slow to load
 
         return surface_plot(self, difference=difference, ax=ax)
-
-    def _crossing(self) -> Crossing:
-        return Crossing(
-            self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery, self.effect
-        )
-
-
-def _profiles(roads: Roads) -> list[RoadProfile]:
-    """Those of the roads that are profiles; arrays at stations may be anything."""
-    listed = roads if isinstance(roads, Sequence) else [roads]
-    return [road for road in listed if isinstance(road, RoadProfile)]
-
-
-def road_parts(drops: FloatArray) -> Iterator[FloatArray]:
-    """Roads a few hundred at a time, so that their histories fit in memory."""
-    for first in range(0, drops.shape[1], ROADS_AT_ONCE):
-        yield drops[:, first : first + ROADS_AT_ONCE]

@@ -13,7 +13,8 @@ from bridgectl._threads import on_one_thread
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.road.iri import GOOD, rectified_slope
 from bridgectl.surface.histories import superposed
-from bridgectl.surface.surface import RampSurface, Roads, road_parts
+from bridgectl.surface.ramps import Roads, road_parts
+from bridgectl.surface.surface import RampSurface
 
 TALLEST = 10e-3
 """Largest ramp that the paper superposes, Figs. 6 and 7 [m]."""
