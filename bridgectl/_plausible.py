@@ -330,6 +330,8 @@ def _vehicle_doubts(vehicle: Vehicle) -> Iterator[str]:
 
 def _load_doubts(crossing: Crossing) -> Iterator[str]:
     vehicle, beam = crossing.linear, crossing.beam
+    if not hasattr(beam, "flexural_rigidity"):  # no beam, of which less is known
+        return
     if vehicle.mass > beam.mass and next(_beam_doubts(beam), None) is None:
         yield (
             f"the vehicle ({vehicle.mass:g} kg) is heavier than the bridge ({beam.mass:g} kg): is "

@@ -8,7 +8,7 @@ from matplotlib.animation import FuncAnimation
 
 from bridgectl import _checks as check
 from bridgectl.dampers import Damper, Strategy
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.plots.animation import BETWEEN, Motion, draw_crossing
@@ -20,7 +20,7 @@ RUNS_UP, ROLLS_ON = 0.16, 0.12
 
 
 def crossing_animation(
-    beam: Beam,
+    beam: BridgeModel,
     vehicle: QuarterCar,
     speed: float,
     profile: RoadProfile | None = None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_smoothness
 from bridgectl._tables import make_console, make_table
 from bridgectl._version import __version__
+from bridgectl.model.beam import Beam
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.paper.printed import PaperResults
 from bridgectl.road import PsdFit, RoadProfile
@@ -155,7 +156,8 @@ def _dae_heading(study: DaeStudy) -> str:
 
 def dae_json(study: DaeStudy) -> dict[str, Any]:
     """Give everything of a study, at every speed, with units in the keys."""
-    surface, beam, vehicle = study.surface, study.surface.beam, study.vehicle
+    surface, vehicle = study.surface, study.vehicle
+    beam = cast(Beam, surface.beam)  # the command line has no other bridges
     critical = study.critical
     return {
         "bridgectl": __version__,

@@ -38,7 +38,7 @@ from bridgectl.dampers.block import RATE_TIME
 from bridgectl.dampers.costate import REACH, Costate, costate
 from bridgectl.dampers.peak_value import PeakValue, peak_value
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 
@@ -79,7 +79,7 @@ lag=0 s)
 
     def __init__(
         self,
-        beam: Beam,
+        beam: BridgeModel,
         vehicle: QuarterCar,
         c_min: float,
         c_max: float,
@@ -212,7 +212,7 @@ lag=0 s)
 
 
 def bridgehook(
-    beam: Beam,
+    beam: BridgeModel,
     vehicle: QuarterCar,
     c_min: float,
     c_max: float,

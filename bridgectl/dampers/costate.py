@@ -13,7 +13,7 @@ from bridgectl._threads import on_one_thread
 from bridgectl.linear.cells import bridge_entry
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.runs import Stretch, effect_samples, prepare, propagate, state_maps
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 
@@ -49,7 +49,12 @@ def smooth_crossing(
 
 @on_one_thread
 def costate(
-    beam: Beam, vehicle: QuarterCar, speed: float, *, section: float = 0.5, reach: float = REACH
+    beam: BridgeModel,
+    vehicle: QuarterCar,
+    speed: float,
+    *,
+    section: float = 0.5,
+    reach: float = REACH,
 ) -> Costate:
     """Return how the peak moment depends on the damper force before it.
 

@@ -22,12 +22,12 @@ from bridgectl.dampers.tire_laws import (
     selective_groundhook,
     tire_groundhook,
 )
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.quarter_car import QuarterCar
 
 
 def library(
-    beam: Beam, vehicle: QuarterCar, c_min: float, c_max: float, *, section: float = 0.5
+    beam: BridgeModel, vehicle: QuarterCar, c_min: float, c_max: float, *, section: float = 0.5
 ) -> list[Strategy]:
     """Return every strategy for a bridge and a vehicle, the vehicle's own damper first.
 

@@ -45,7 +45,7 @@ from bridgectl.dampers.loop.steps import AXLE, BODY, SUSPENSION
 from bridgectl.dampers.strategy import damping_bounds
 from bridgectl.linear.cells import SAMPLES, bridge_entry
 from bridgectl.linear.runs import Stretch, effect_samples
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 
@@ -92,7 +92,7 @@ class PeakValue(NamedTuple):
 
 @on_one_thread
 def peak_value(
-    beam: Beam,
+    beam: BridgeModel,
     vehicle: QuarterCar,
     speed: float,
     c_min: float,

@@ -44,7 +44,7 @@ from bridgectl.dampers.loop.steps import (
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.dampers.program import program
 from bridgectl.linear.lift_off import LiftOffWarning
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 
@@ -75,7 +75,7 @@ class Sensitivity(NamedTuple):
 
 @on_one_thread
 def program_sensitivity(
-    beam: Beam,
+    beam: BridgeModel,
     vehicle: QuarterCar,
     speed: float,
     positions: ArrayLike,

@@ -252,8 +252,8 @@ def build_cells(
 def mode_matrices(crossing: Crossing, n_modes: int) -> tuple[FloatArray, FloatArray]:
     """State and input matrices of the modes on their own, shapes (modes, 2, 2), (modes, 2, 1)."""
     own = 2 * np.arange(n_modes)[:, np.newaxis] + np.arange(2)
-    matrices = crossing.beam.state_matrix[own[:, :, np.newaxis], own[:, np.newaxis, :]]
-    gains = crossing.beam.input_matrix[own, np.arange(n_modes)[:, np.newaxis]]
+    matrices = crossing.modal_matrix[own[:, :, np.newaxis], own[:, np.newaxis, :]]
+    gains = crossing.modal_input[own, np.arange(n_modes)[:, np.newaxis]]
     return matrices, gains[..., np.newaxis]
 
 

@@ -108,7 +108,8 @@ def _arguments(crossing: Crossing, speeds: FloatArray) -> dict[str, Given]:
 
 def _width(crossing: Crossing, n_modes: float, slowest: float, fastest: float) -> float:
     """Width of the cells [m] for any number of modes."""
-    return cell_width(fastest, float(crossing.beam.omega[0]) * n_modes**2, slowest)
+    highest = float(crossing.beam.omega.max()) * (n_modes / crossing.beam.n_modes) ** 2
+    return cell_width(fastest, highest, slowest)
 
 
 def _map_bytes(crossing: Crossing, n_states: float) -> float:

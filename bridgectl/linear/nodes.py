@@ -26,8 +26,7 @@ def kink_positions(
     There a tire meets one of the `stations` (the road's ramps), enters, leaves, or passes the
     section.
     """
-    length = crossing.beam.length
-    places = np.concatenate([stations, [0.0, crossing.section * length, length]])
+    places = np.concatenate([stations, crossing.beam.kinks(crossing.section)])
     kinks = np.add.outer(places, crossing.linear.tire_offsets).ravel()
     inside = (kinks > start + SAME_PLACE) & (kinks < end - SAME_PLACE)
     return merge_places(np.concatenate([[start], kinks[inside], [end]]))
@@ -49,7 +48,7 @@ def cell_nodes(crossing: Crossing, speed: float, kinks: FloatArray, refine: int 
     Cells are short enough for the fastest motions at `speed`, the slowest of a batch;
     `refine` cuts each into as many again.
     """
-    fastest, highest = fastest_motion(crossing), float(crossing.beam.omega[-1])
+    fastest, highest = fastest_motion(crossing), float(crossing.beam.omega.max())
     width = cell_width(fastest, highest, speed)
     pieces = refine * np.ceil(np.diff(kinks) / width - SAME_PLACE)
     if pieces.sum() > MOST_CELLS:

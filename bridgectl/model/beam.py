@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_beam
+from bridgectl.model.bridge import bridge_states, input_matrix, state_matrix
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,26 @@ class Beam:
             return np.array(self.damping_ratio)
         return self.damping_ratio * self.omega[0] / self.omega
 
+    @property
+    def modal_masses(self) -> FloatArray:
+        """Modal masses mu l / 2 [kg], shape (n_modes,)."""
+        return np.full(self.n_modes, self.mass / 2)
+
+    def kinks(self, section: float = 0.5) -> FloatArray:
+        """Ends of the bridge, and the section between them [m], shape (3,).
+
+        Parameters
+        ----------
+        section : float, optional
+            The section, as a fraction of the span.
+
+        Returns
+        -------
+        ndarray, shape (3,)
+            Places [m] where mode shapes or the influence line are not smooth.
+        """
+        return np.array([0.0, section * self.length, self.length])
+
     def mode_shapes(self, x: ArrayLike) -> FloatArray:
         """Mode shapes sin(j pi x / l), zero off the bridge.
 
@@ -197,20 +218,12 @@ class Beam:
     @cached_property
     def state_matrix(self) -> FloatArray:
         """State matrix of the modes, states (q_1 [m], q_1' [m/s], q_2, ...), shape (2 n, 2 n)."""
-        matrix = np.zeros((2 * self.n_modes, 2 * self.n_modes))
-        displacement = 2 * np.arange(self.n_modes)
-        matrix[displacement, displacement + 1] = 1.0
-        matrix[displacement + 1, displacement] = -(self.omega**2)
-        matrix[displacement + 1, displacement + 1] = -2 * self.damping_ratios * self.omega
-        return matrix
+        return state_matrix(self)
 
     @cached_property
     def input_matrix(self) -> FloatArray:
         """Input matrix of the modal forces [N], 2 / (mu l) on each q_j'', shape (2 n, n)."""
-        matrix = np.zeros((2 * self.n_modes, self.n_modes))
-        modes = np.arange(self.n_modes)
-        matrix[2 * modes + 1, modes] = 2.0 / self.mass
-        return matrix
+        return input_matrix(self)
 
     def system(
         self, loads: Sequence[float] | None = None, sections: Sequence[float] | None = None
@@ -260,7 +273,7 @@ class Beam:
             self.input_matrix @ input_map.T,
             output_map @ select,
             0,
-            states=beam_states(self),
+            states=bridge_states(self),
             inputs=inputs,
             outputs=outputs,
             name="beam",
@@ -274,11 +287,6 @@ class Beam:
             _checks.fraction(name, float(point))
         labels = [f"{signal}_{i}" for i in range(1, points.size + 1)]
         return labels, self.mode_shapes(points * self.length)
-
-
-def beam_states(beam: Beam) -> list[str]:
-    """Names of the beam's states, in order."""
-    return [f"q_{j}{dot}" for j in range(1, beam.n_modes + 1) for dot in ("", "_dot")]
 
 
 def _checked_damping(value: object, n_modes: int) -> float | tuple[float, ...]:

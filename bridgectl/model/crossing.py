@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.effects import EffectRows, effect_rows, known_effects, static_peak
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
@@ -35,7 +35,7 @@ class Crossing(Motion):
     Parameters
     ----------
     beam : Beam
-        The bridge.
+        The bridge, or another `bridgectl.model.bridge.BridgeModel`.
     vehicle : Vehicle or QuarterCar
         The vehicle.
     speed : float
@@ -85,7 +85,7 @@ class Crossing(Motion):
     effect: str = "moment"
 
     def __post_init__(self) -> None:
-        if not isinstance(self.beam, Beam):
+        if not isinstance(self.beam, BridgeModel):
             raise TypeError(
                 f"beam must be a bridgectl.Beam, got {type(self.beam).__name__}: type for example "
                 "bridgectl.Beam(25, 18358, 4.865e10), and the vehicle after it"
@@ -249,7 +249,7 @@ class Crossing(Motion):
 
 
 def crossing_system(
-    beam: Beam,
+    beam: BridgeModel,
     vehicle: Vehicle | QuarterCar,
     speed: float,
     *,

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bridgectl._checks import FloatArray
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.recovery import recover_moment
 from bridgectl.model.vehicle import Vehicle, signals
 
@@ -39,7 +39,12 @@ class EffectRows(NamedTuple):
 
 
 def effect_rows(
-    beam: Beam, vehicle: Vehicle, section: float, recovery: str, effect: str, tires: FloatArray
+    beam: BridgeModel,
+    vehicle: Vehicle,
+    section: float,
+    recovery: str,
+    effect: str,
+    tires: FloatArray,
 ) -> EffectRows:
     """Rows of an effect with the tires at some places.
 
@@ -75,7 +80,7 @@ def effect_rows(
     return EffectRows(per_force, per_state, constant)
 
 
-def static_peak(beam: Beam, vehicle: Vehicle, section: float, effect: str) -> float:
+def static_peak(beam: BridgeModel, vehicle: Vehicle, section: float, effect: str) -> float:
     """Largest value of an effect as the vehicle creeps across; 1 where there is none.
 
     The moment is piecewise linear in the place of the vehicle: its peak has a tire at the
@@ -88,7 +93,7 @@ def static_peak(beam: Beam, vehicle: Vehicle, section: float, effect: str) -> fl
     if effect == "deflection":
         x = np.linspace(0.0, beam.length + offsets.max(), FINE)
         # Deflection at the section per force on the crest of each mode.
-        flexibility = 2 / (beam.mass * beam.omega**2) * beam.mode_shapes(at)
+        flexibility = beam.mode_shapes(at) / (beam.modal_masses * beam.omega**2)
         line = beam.mode_shapes(x[:, np.newaxis] - offsets) @ flexibility
         return float(np.max(line @ vehicle.static_loads))
     if effect.startswith("tire_force"):

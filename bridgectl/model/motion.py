@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
-from bridgectl.model.beam import Beam, beam_states
+from bridgectl.model.bridge import BridgeModel, bridge_states, input_matrix, state_matrix
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle, signals, vehicle_states
 
@@ -23,7 +23,7 @@ from bridgectl.model.vehicle import Vehicle, signals, vehicle_states
 class Motion:
     """Equations of motion of a `bridgectl.Crossing`, which tells of its parameters and states."""
 
-    beam: Beam
+    beam: BridgeModel
     vehicle: Vehicle | QuarterCar
     speed: float
 
@@ -85,8 +85,18 @@ class Motion:
         """A without the tires, of `state_labels` [m, m/s]: vehicle in flight beside a free beam."""
         matrix = np.zeros((self.n_states, self.n_states))
         matrix[: self.n_vehicle, : self.n_vehicle] = self.linear.state_matrix
-        matrix[self.n_vehicle :, self.n_vehicle :] = self.beam.state_matrix
+        matrix[self.n_vehicle :, self.n_vehicle :] = self.modal_matrix
         return matrix
+
+    @cached_property
+    def modal_matrix(self) -> FloatArray:
+        """State matrix of the modes [m, m/s]: see `bridgectl.model.bridge.state_matrix`."""
+        return state_matrix(self.beam)
+
+    @cached_property
+    def modal_input(self) -> FloatArray:
+        """Input matrix of the modal forces [N]: see `bridgectl.model.bridge.input_matrix`."""
+        return input_matrix(self.beam)
 
     @cached_property
     def damper_matrix(self) -> FloatArray:
@@ -109,7 +119,7 @@ class Motion:
         -------
         ndarray, shape (n, n_tires)
         """
-        return np.vstack([self.linear.tire_input, self.beam.input_matrix @ self.tire_shapes(x).T])
+        return np.vstack([self.linear.tire_input, self.modal_input @ self.tire_shapes(x).T])
 
     def tire_rows(self, x: float) -> FloatArray:
         """Rows of K_t (y - v): tire forces [N] per state with the tires in contact.
@@ -237,7 +247,7 @@ class Motion:
         rate = self.free_matrix @ state + self.damper_matrix @ damper_force
         # The static loads hold the vehicle in equilibrium; the beam feels all of R.
         rate[:n] += self.linear.tire_input @ (force - self.linear.static_loads)
-        rate[n:] += self.beam.input_matrix @ (force @ shapes)
+        rate[n:] += self.modal_input @ (force @ shapes)
         return np.asarray(rate)
 
     @cached_property
@@ -251,4 +261,4 @@ class Motion:
     @cached_property
     def state_labels(self) -> list[str]:
         """Names of the states, in order."""
-        return vehicle_states(self.linear) + beam_states(self.beam)
+        return vehicle_states(self.linear) + bridge_states(self.beam)

@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 
 from bridgectl._checks import FloatArray
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 
 RECOVERIES = ("exact", "li2006", "modal")
 
@@ -29,7 +29,7 @@ LI2006_INERTIA_SCALE = np.pi**4 / 96
 
 
 def recover_moment(
-    beam: Beam, section: float, recovery: str, tires: FloatArray
+    beam: BridgeModel, section: float, recovery: str, tires: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Rows of the bending moment on tire forces and beam states.
 
@@ -38,7 +38,7 @@ def recover_moment(
 
     Parameters
     ----------
-    beam : Beam
+    beam : BridgeModel
         The bridge.
     section : float
         The section, as a fraction of the span.
@@ -64,6 +64,6 @@ def recover_moment(
         # Eq. (8) has q_j'' alone: the damping that 'exact' adds to it stays in the row.
         velocity = displacement * 2 * beam.damping_ratios / beam.omega
     # Static moment at the section that mode j carries of a unit force on its crest.
-    carried = beam.modal_moments(section) * 2 / (beam.mass * beam.omega**2)
+    carried = beam.modal_moments(section) / (beam.modal_masses * beam.omega**2)
     per_force = beam.influence_line(tires, section) - scale * (beam.mode_shapes(tires) @ carried)
     return per_force, scale * np.column_stack([displacement, velocity]).ravel()

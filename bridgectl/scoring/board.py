@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._version import __version__
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel, described
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.scoring.agreement import (
     Paired,
@@ -86,7 +86,7 @@ class Scoreboard:
     values: Mapping[str, FloatArray]
     daf_smooth: FloatArray
     fourth_power_95: FloatArray
-    beam: Beam = field(repr=False)
+    beam: BridgeModel = field(repr=False)
     vehicle: QuarterCar = field(repr=False)
     approach: float
     road_classes: tuple[str, ...] = ()
@@ -246,7 +246,7 @@ class Scoreboard:
         ]
         content = {
             "bridgectl": __version__,
-            "bridge": dataclasses.asdict(self.beam),
+            "bridge": described(self.beam),
             "vehicle": dataclasses.asdict(self.vehicle),
             "strategies": self.strategies,
             "damping_N_s_per_m": self.dampings,

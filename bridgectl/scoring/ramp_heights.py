@@ -13,7 +13,7 @@ from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
 from bridgectl.dampers.loop.closed_loop import simulate_loop
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.simulate import ramp_surface
@@ -64,7 +64,7 @@ class RampHeights:
 
 
 def ramp_heights(
-    beam: Beam,
+    beam: BridgeModel,
     vehicle: QuarterCar,
     damper: Damper | Strategy,
     speed: float,

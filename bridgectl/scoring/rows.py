@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol
 
 from bridgectl._checks import FloatArray
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.scoring.agreement import Agreement, Paired, Pairs
 
@@ -120,7 +120,7 @@ class Board(Protocol):
         """Speeds [m/s]."""
 
     @property
-    def beam(self) -> Beam:
+    def beam(self) -> BridgeModel:
         """Bridge."""
 
     @property

@@ -27,7 +27,7 @@ from bridgectl.dampers.actuator import bare_vehicle
 from bridgectl.dampers.loop.damped import RampsAndRoads, ramps_and_roads
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.measures.weighting import weighted_rms
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
 from bridgectl.scoring.board import Scoreboard
@@ -65,7 +65,7 @@ CELL = 0.25
 
 def score(
     dampers: Sequence[Damper | Strategy],
-    beam: Beam,
+    beam: BridgeModel,
     vehicle: QuarterCar,
     roads: Sequence[RoadProfile],
     speeds: ArrayLike,

@@ -18,7 +18,7 @@ from bridgectl._checks import FloatArray
 from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.cells import SAME_PLACE
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel, described
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
@@ -37,7 +37,7 @@ Piece = int | str
 class Study:
     """What all parts of the work share."""
 
-    beam: Beam
+    beam: BridgeModel
     vehicle: QuarterCar
     speeds: FloatArray
     stations: FloatArray
@@ -105,7 +105,7 @@ def checked_devices(dampers: Sequence[Damper | Strategy]) -> list[Damper]:
 
 
 def make_study(
-    beam: Beam,
+    beam: BridgeModel,
     vehicle: QuarterCar,
     roads: Sequence[RoadProfile],
     speeds: ArrayLike,
@@ -162,7 +162,7 @@ def task_name(device: Damper, piece: Piece, n_roads: int) -> str:
 def header(study: Study) -> dict[str, Any]:
     """What two studies share if their parts fit together."""
     return {
-        "beam": dataclasses.asdict(study.beam),
+        "beam": described(study.beam),
         "vehicle": dataclasses.asdict(study.vehicle),
         "speeds": study.speeds.tolist(),
         "stations": [study.stations[0], study.stations[-1], len(study.stations)],

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl.linear.runs import linear_contact, prepare
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
@@ -32,7 +32,7 @@ ROADS_AT_ONCE = 250
 class UnitRamps:
     """What crosses what over which ramps: see `bridgectl.RampSurface`, which is one."""
 
-    beam: Beam
+    beam: BridgeModel
     vehicle: Vehicle | QuarterCar
     section: float
     recovery: str

@@ -18,7 +18,7 @@ from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.cells import SAME_PLACE
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road.limits import first_too_steep, require_gentle
@@ -26,7 +26,7 @@ from bridgectl.road.limits import first_too_steep, require_gentle
 
 @on_one_thread
 def simulate_loop(
-    beam: Beam,
+    beam: BridgeModel,
     vehicle: QuarterCar,
     damper: Damper | Strategy,
     speeds: ArrayLike,
@@ -103,7 +103,7 @@ def run_loop(
 
 
 def checked_roads(
-    beam: Beam, stations: ArrayLike, elevations: ArrayLike
+    beam: BridgeModel, stations: ArrayLike, elevations: ArrayLike
 ) -> tuple[FloatArray, FloatArray]:
     """Stations [m], shape (n,), and elevations of roads there [m], shape (n_roads, n)."""
     x = check.array("stations", stations, (None,), unit="m")

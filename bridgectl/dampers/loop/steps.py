@@ -88,7 +88,9 @@ def longest_step(crossing: Crossing, c_max: float, n_modes: int) -> float:
         vehicle.damper_input[:, 0], c_max * SUSPENSION
     )
     fastest = np.abs(np.linalg.eigvals(stiffest)).max()
-    return float(min(MAX_PHASE / fastest, MAX_MODE_PHASE / crossing.beam.omega[n_modes - 1]))
+    return float(
+        min(MAX_PHASE / fastest, MAX_MODE_PHASE / np.sort(crossing.beam.omega)[n_modes - 1])
+    )
 
 
 def times_within(sample_time: float, longest: float, lag: float) -> FloatArray:
@@ -162,7 +164,7 @@ class Responses:
     """
 
     def __init__(self, crossing: Crossing, longest: float) -> None:
-        phase = crossing.beam.omega[-1] * longest
+        phase = crossing.beam.omega.max() * longest
         n_terms = 16 + int(phase)  # beyond half the phase the series falls as fast as factorials
         nodes = np.cos(np.pi * (np.arange(n_terms) + 0.5) / n_terms)
         durations = (nodes[np.newaxis] + 1) / 2 * longest

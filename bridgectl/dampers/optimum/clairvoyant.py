@@ -38,7 +38,7 @@ from bridgectl.dampers.optimum.steps import Steps, join, march
 from bridgectl.dampers.strategy import Strategy, damping_bounds
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import prepare
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
@@ -122,7 +122,7 @@ class Clairvoyant:
 
 @on_one_thread
 def clairvoyant(
-    beam: Beam,
+    beam: BridgeModel,
     vehicle: QuarterCar,
     speed: float,
     road: RoadProfile,
@@ -228,7 +228,7 @@ class _Try(NamedTuple):
 
 
 def _tries(
-    steps: Steps, beam: Beam, vehicle: QuarterCar, crossing: Crossing, own: float
+    steps: Steps, beam: BridgeModel, vehicle: QuarterCar, crossing: Crossing, own: float
 ) -> list[_Try]:
     """What the search starts from, and what it finds."""
     passive = steps.shares(own)
@@ -253,7 +253,7 @@ def _agrees(optimum: LoopResult, peak: float) -> bool:
 
 
 def _bridgehook_shares(
-    steps: Steps, beam: Beam, vehicle: QuarterCar, crossing: Crossing, own: FloatArray
+    steps: Steps, beam: BridgeModel, vehicle: QuarterCar, crossing: Crossing, own: FloatArray
 ) -> FloatArray:
     """Shares that bridgehook commands, from the costate of the passive crossing."""
     found = costate(
