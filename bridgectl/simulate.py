@@ -14,12 +14,12 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE, count_pieces
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
 from bridgectl.dampers.loop.damped import damped_dafs, damped_response, damped_surface
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.linear.cells import SAME_PLACE
 from bridgectl.linear.estimates import require_surface
 from bridgectl.linear.response import METHODS, linear_dafs, linear_response
 from bridgectl.linear.runs import Run, prepare
@@ -32,7 +32,6 @@ from bridgectl.surface.compute import (
     RAMP_HEIGHT,
     RAMP_LENGTH,
     RampGrid,
-    count_ramps,
     linear_surface,
     unit_height,
 )
@@ -299,7 +298,7 @@ def ramp_surface(
         )
     judge_crossing(crossing, c)
     require_surface(crossing, c, before, length, method)
-    n_ramps = count_ramps(before + beam.length, length)
+    n_ramps = count_pieces(before + beam.length, length)
     height = unit_height(ramp_height, length, n_ramps)
     grid = RampGrid(before, length, height, n_ramps, both_ways, step)
     device = None

@@ -5,7 +5,8 @@ import pytest
 from helpers import random_case, rough_road
 
 import bridgectl as bc
-from bridgectl.linear.cells import SAMPLES, merge_places, sample_positions
+from bridgectl._places import merge_places
+from bridgectl.linear.cells import SAMPLES, sample_positions
 from bridgectl.linear.nodes import MAX_WIDTH, cell_nodes, kink_positions
 from bridgectl.linear.runs import effect_samples, prepare, propagate
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import bridgectl as bc
+from bridgectl._places import SAME_PLACE
 from bridgectl.road import (
     RoadEvent,
     RoadProfile,
@@ -26,7 +27,6 @@ from bridgectl.road import (
     tire_footprint,
     utia_road,
 )
-from bridgectl.road.limits import TOLERANCE
 
 ROUND_OFF = 1e-12  # [m]
 NANOMETRE = 1e-9
@@ -252,7 +252,7 @@ def test_a_road_with_events_is_the_road_plus_the_events(
     assert result.elevation_at(at) == pytest.approx(expected, abs=ROUND_OFF)
     assert result.name == road.name
     assert set(road.x) <= set(result.x)
-    assert np.diff(result.x).min() > TOLERANCE
+    assert np.diff(result.x).min() > SAME_PLACE
 
 
 @given(roads(), events(), events())

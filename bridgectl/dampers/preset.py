@@ -10,9 +10,9 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE
 from bridgectl.dampers.actuator import bare_vehicle
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.linear.cells import SAME_PLACE
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import prepare

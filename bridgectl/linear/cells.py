@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE
 from bridgectl.model.crossing import Crossing
 
 N_STAGES = 3
@@ -43,9 +44,6 @@ _INNER = np.argsort(_POINTS)[:-1]
 END = N_STAGES  # the end of the cell, in them
 # Values at those samples of the parabola through values at the stages.
 _FROM_STAGES = np.vander(SAMPLES[1:], N_STAGES) @ np.linalg.inv(np.vander(GAUSS))
-
-SAME_PLACE = 1e-9
-"""Stations closer than this [m] are one: below any road's resolution, above round-off."""
 
 
 @dataclass(frozen=True)
@@ -153,12 +151,6 @@ class Cells:
         values = np.einsum("scmi,sci->scm", self.effect_from_states[:, self.kind], states)
         values += np.einsum("scmq,scq->scm", self.effect_from_stages[:, self.map_of], stages)
         return values + self.effect_constant
-
-
-def merge_places(places: FloatArray) -> FloatArray:
-    """Sort positions [m] and keep one of those that are the same place."""
-    places = np.sort(places)
-    return np.asarray(places[np.concatenate([[True], np.diff(places) > SAME_PLACE])])
 
 
 def bridge_entry(nodes: FloatArray) -> int:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl._work import MOST_CELLS
-from bridgectl.linear.cells import SAME_PLACE, merge_places
 from bridgectl.model.crossing import Crossing
 
 MAX_WIDTH = 0.1

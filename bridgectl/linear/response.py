@@ -10,14 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl._progress import track
-from bridgectl.linear.cells import (
-    SAME_PLACE,
-    SAMPLES,
-    bridge_entry,
-    merge_places,
-    sample_positions,
-)
+from bridgectl.linear.cells import SAMPLES, bridge_entry, sample_positions
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.lift_off import fly, warn_of_flight, warn_of_flights
 from bridgectl.linear.peaks import find_peaks

@@ -18,15 +18,8 @@ from numpy.typing import NDArray
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
-from bridgectl.linear.cells import (
-    N_STAGES,
-    SAME_PLACE,
-    Cells,
-    bridge_entry,
-    build_cells,
-    merge_places,
-    road_rows,
-)
+from bridgectl._places import SAME_PLACE, merge_places
+from bridgectl.linear.cells import N_STAGES, Cells, bridge_entry, build_cells, road_rows
 from bridgectl.linear.nodes import cell_nodes, kink_positions
 from bridgectl.model.crossing import Crossing
 from bridgectl.road import RoadProfile

@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE, count_pieces
 from bridgectl.road.iri import GOOD, running_iri, segment_iri
-from bridgectl.road.limits import TOLERANCE, mean_step
+from bridgectl.road.limits import mean_step
 from bridgectl.road.psd import RoadPsd, road_psd
 from bridgectl.road.sampling import measured_step, warn_if_coarse
 from bridgectl.road.stations import Stations
@@ -93,7 +94,7 @@ class Elevations(Stations):
             If any station is outside the road (by more than 1e-9 m) or NaN.
         """
         stations = check.floats("x", x, unit="m")
-        on_road = (stations >= self._x[0] - TOLERANCE) & (stations <= self._x[-1] + TOLERANCE)
+        on_road = (stations >= self._x[0] - SAME_PLACE) & (stations <= self._x[-1] + SAME_PLACE)
         if not on_road.all():
             self._inside("x", stations[~on_road][0])
         return self._interpolated(stations)
@@ -166,7 +167,7 @@ class Elevations(Stations):
         (array([0. , 0.1]), array([0.001, 0.002]))
         """
         first, last = self._stretch(start, stop)
-        pieces = int(np.ceil((last - first) / check.positive("length", length, unit="m") - 1e-9))
+        pieces = count_pieces(last - first, check.positive("length", length, unit="m"))
         ends = first + length * np.arange(max(1, pieces) + 1, dtype=np.float64)
         drops = self.drop(ends, first)
         return Ramps(ends[:-1], drops[1:] - drops[:-1])

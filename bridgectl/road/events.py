@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.road.limits import MAX_SLOPE, TOLERANCE, first_too_steep
+from bridgectl._places import SAME_PLACE
+from bridgectl.road.limits import MAX_SLOPE, first_too_steep
 from bridgectl.road.profile import RoadProfile
 
 
@@ -168,10 +169,10 @@ def _require_event(x: FloatArray, rise: FloatArray) -> None:
             f"x and rise must have one length of at least 2, got {x.size} and {rise.size} values: "
             "give one rise [m] for every station [m]"
         )
-    if not np.all(np.diff(x) > TOLERANCE):
-        i = int(np.argmin(np.diff(x) > TOLERANCE)) + 1
+    if not np.all(np.diff(x) > SAME_PLACE):
+        i = int(np.argmin(np.diff(x) > SAME_PLACE)) + 1
         raise ValueError(
-            f"x must increase by more than {TOLERANCE:g} m, but x[{i}] = {x[i]:.10g} m follows "
+            f"x must increase by more than {SAME_PLACE:g} m, but x[{i}] = {x[i]:.10g} m follows "
             f"x[{i - 1}] = {x[i - 1]:.10g} m: sort the points and remove repeated ones"
         )
     if rise[0] != 0:
@@ -215,11 +216,11 @@ def _require_gentle_sum(
 
 
 def _union(stations: FloatArray, points: FloatArray) -> FloatArray:
-    """Stations and the points farther than TOLERANCE from each of them, each point once."""
+    """Stations and the points farther than SAME_PLACE from each of them, each point once."""
     points = np.unique(points)
     after = np.searchsorted(stations, points)
     to_next = np.abs(stations[np.minimum(after, stations.size - 1)] - points)
     to_last = np.abs(points - stations[np.maximum(after - 1, 0)])
-    points = points[np.minimum(to_next, to_last) > TOLERANCE]
-    points = points[np.diff(points, prepend=-np.inf) > TOLERANCE]
+    points = points[np.minimum(to_next, to_last) > SAME_PLACE]
+    points = points[np.diff(points, prepend=-np.inf) > SAME_PLACE]
     return np.sort(np.concatenate([stations, points]))

@@ -6,9 +6,9 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE
 from bridgectl._warn import warn
 from bridgectl.road.events import require_road
-from bridgectl.road.limits import TOLERANCE
 from bridgectl.road.profile import RoadProfile
 
 
@@ -96,7 +96,7 @@ def _warn_if_coarse(road: RoadProfile, smooth: RoadProfile, length: float) -> No
     exact = _moving_average(road, bends, length)
     missed = np.abs(exact - smooth.elevation_at(bends)).max(initial=0.0)
     changed = np.abs(smooth.elevation - road.elevation).max()
-    if missed > max(changed / 2, TOLERANCE):
+    if missed > max(changed / 2, SAME_PLACE):
         warn(
             f"the road's stations are too far apart for a tire_footprint of {length:g} m: between "
             f"them the average differs from the result by up to {1e3 * missed:.3g} mm; pass "

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE
 
 MAX_SLOPE = 1.0  # [m/m]; no road climbs at 45 degrees, but millimetres read as metres do
 TEXTURE = 0.005  # [m]; stones are so high
-TOLERANCE = 1e-9  # [m]; stations closer than this are one place, apart only by round-off
 JITTER = 0.1  # of a step; stations that stray no farther, whatever from, change an IRI by 0.1 %
 ROUNDED = 0.55  # of a step; rounded stations stray no farther
 ROUND_OFF = 1.5  # of the last decimal; stations rounded by half of it either way stray no farther
@@ -27,7 +27,7 @@ def first_too_steep(x: FloatArray, elevation: FloatArray) -> int | None:
     Texture is no slope: a stone may rise by `TEXTURE` over any length.
     """
     with np.errstate(over="ignore"):
-        highest = MAX_SLOPE * np.maximum(np.diff(x), TEXTURE) + TOLERANCE
+        highest = MAX_SLOPE * np.maximum(np.diff(x), TEXTURE) + SAME_PLACE
         return _first(~(np.abs(np.diff(elevation)) <= highest))
 
 

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE
 from bridgectl.road.elevations import Elevations
-from bridgectl.road.limits import TOLERANCE, require_gentle, require_increasing
+from bridgectl.road.limits import require_gentle, require_increasing
 from bridgectl.road.sampling import measured_step
 
 MAX_ORDER = 20  # least-squares polynomials of higher order lose their digits
@@ -198,7 +199,7 @@ steps 0.1 to 21.9 m)
             If they are outside the road, or do not increase.
         """
         first, last = self._stretch(start, stop)
-        inside = self._x[(self._x > first + TOLERANCE) & (self._x < last - TOLERANCE)]
+        inside = self._x[(self._x > first + SAME_PLACE) & (self._x < last - SAME_PLACE)]
         stations = np.concatenate([[first], inside, [last]])
         return self._like(stations, self._interpolated(stations))
 

@@ -12,8 +12,9 @@ from typing import Protocol
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE
 from bridgectl._warn import warn
-from bridgectl.road.limits import TOLERANCE, evenly_spaced
+from bridgectl.road.limits import evenly_spaced
 
 COARSE = 0.305
 """Longest step [m] that an IRI or a dynamic amplification bears: one foot.
@@ -79,11 +80,11 @@ def _straight_pieces(x: FloatArray, elevation: FloatArray) -> FloatArray:
         return np.diff(x)
     step = float(x[-1] - x[0]) / (x.size - 1)
     bends = np.diff(elevation, 2)
-    least = max(NO_BEND * float(np.sqrt(np.mean(bends**2))), TOLERANCE)
+    least = max(NO_BEND * float(np.sqrt(np.mean(bends**2))), SAME_PLACE)
     slight = np.abs(bends) < least
     # Slabs that curl are curved between their joints; there the slight bends add up.
     sharp = float(np.abs(bends[~slight]).sum())
-    curved = abs(float(bends[slight].sum())) > max(NO_BEND * sharp, TOLERANCE)
+    curved = abs(float(bends[slight].sum())) > max(NO_BEND * sharp, SAME_PLACE)
     bends[slight] = 0.0
     places = np.flatnonzero(bends) + 1
     # A bend between two stations is shared by both and of one sign there; in a rough road, or at

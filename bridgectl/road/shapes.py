@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from bridgectl import _checks as check
+from bridgectl._places import SAME_PLACE
 from bridgectl.road.events import RoadEvent
-from bridgectl.road.limits import MAX_SLOPE, TOLERANCE
+from bridgectl.road.limits import MAX_SLOPE
 
 COSINE_PIECES = 50  # n chords miss a 1-cosine hump by pi^2 / (4 n^2) = 0.99e-3 of its height
 PARABOLA_PIECES = 16  # n chords miss a parabola by 1 / (4 n^2) = 0.98e-3 of its rise
@@ -120,7 +121,7 @@ def plank(x: float, length: float, height: float, *, over: float = 0.05) -> Road
     whole = check.positive("length", length, unit="m")
     edge = check.positive("over", over, unit="m")
     rise = check.number("height", height, unit="m")
-    if whole - 2 * edge <= TOLERANCE:
+    if whole - 2 * edge <= SAME_PLACE:
         raise ValueError(
             f"over = {edge:g} m twice must be shorter than length = {whole:g} m: type "
             f"over={whole / 4:g}, or bump() for a plank without a flat top"
@@ -281,7 +282,7 @@ def _label(what: str, height: float, x: float) -> str:
 
 def _require_length(height: tuple[str, float], over: tuple[str, float], ratio: float) -> None:
     """Refuse more height [m] than `ratio` of the length [m] it is reached over."""
-    if abs(height[1]) <= ratio * over[1] + TOLERANCE:
+    if abs(height[1]) <= ratio * over[1] + SAME_PLACE:
         return
     enough = math.ceil(1e3 * abs(height[1]) / ratio) / 1e3
     raise ValueError(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.road.limits import TOLERANCE
+from bridgectl._places import SAME_PLACE
 
 
 class Stations:
@@ -37,7 +37,7 @@ class Stations:
             If one of them is not a finite number.
         """
         first, last = check.number("start", start), check.number("stop", stop)
-        return bool(self._x[0] - TOLERANCE <= first <= last <= self._x[-1] + TOLERANCE)
+        return bool(self._x[0] - SAME_PLACE <= first <= last <= self._x[-1] + SAME_PLACE)
 
     def require(
         self, start: float, stop: float, what: str = "the crossing", argument: str = "start"

@@ -15,16 +15,16 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE, count_pieces
 from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.linear.cells import SAME_PLACE
 from bridgectl.model.bridge import BridgeModel, described
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
 from bridgectl.road.sampling import warn_if_coarse
 from bridgectl.scoring.classes import classes_of, with_surface
-from bridgectl.surface.compute import RAMP_LENGTH, count_ramps
+from bridgectl.surface.compute import RAMP_LENGTH
 
 ROADS_AT_ONCE = 50
 """Roads of one part of the work: what an interruption may cost, and memory for histories."""
@@ -127,8 +127,8 @@ def make_study(
     c = check.speeds(speeds)
     study = Study(beam, vehicle, c, np.zeros(0), 0, np.zeros(0), section, recovery)
     _ = study.crossing  # what is wrong with beam, section or recovery is told first
-    n_ramps = count_ramps(before + beam.length)
-    n_pieces = count_ramps(before + beam.length + after)
+    n_ramps = count_pieces(before + beam.length, RAMP_LENGTH)
+    n_pieces = count_pieces(before + beam.length + after, RAMP_LENGTH)
     stations = -before + RAMP_LENGTH * np.arange(n_pieces + 1)
     for i, road in enumerate(roads, 1):
         road.require(-before, beam.length + after, f"the crossing, of road {i},", "approach")

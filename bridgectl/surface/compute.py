@@ -10,7 +10,7 @@ import numpy as np
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._progress import track
-from bridgectl.linear.cells import SAME_PLACE, bridge_entry, sample_positions
+from bridgectl.linear.cells import bridge_entry, sample_positions
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.runs import Run, prepare, reference_effect
 from bridgectl.model.crossing import Crossing
@@ -78,11 +78,6 @@ class RampGrid:
             self.approach, self.length, self.height, speeds, x, smooth, unit, histories,
             rise[0] if self.both_ways else None, self.every,
         )  # fmt: skip
-
-
-def count_ramps(way: float, length: float = RAMP_LENGTH) -> int:
-    """Number of ramps over a way [m], the last one maybe beyond its end."""
-    return int(np.ceil(way / length - SAME_PLACE))
 
 
 def linear_surface(

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
-from bridgectl.linear.cells import SAME_PLACE, SAMPLES, Cells, bridge_entry, build_cells
+from bridgectl._places import SAME_PLACE
+from bridgectl.linear.cells import SAMPLES, Cells, bridge_entry, build_cells
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.runs import Run, speed_batches
 from bridgectl.surface.factored import FactoredHistories, joined

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
+from bridgectl._places import count_pieces
 from bridgectl.linear.nodes import MAX_VEHICLE_PHASE
 from bridgectl.linear.runs import Run
 from bridgectl.surface.histories import factor_histories, superposed
@@ -46,7 +47,7 @@ class TireContact:
 
     def __init__(self, run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int) -> None:
         self.vehicle, self.durations = run.crossing.linear, ramp_length / speeds
-        self.n_before = min(n_ramps, int(np.ceil(-run.start / ramp_length - 1e-9)))
+        self.n_before = min(n_ramps, count_pieces(-run.start, ramp_length))
         of_tire = run._replace(crossing=replace(run.crossing, effect="tire_force"))
         self.on_bridge = factor_histories(of_tire, speeds, ramp_length, n_ramps)
 

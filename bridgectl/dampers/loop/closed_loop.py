@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
@@ -17,7 +18,6 @@ from bridgectl.dampers.loop.loop import RECORDED, Loop
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.linear.cells import SAME_PLACE
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar

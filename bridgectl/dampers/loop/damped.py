@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl._threads import on_one_thread
 from bridgectl._warn import warn
 from bridgectl.dampers.actuator import Damper, bare_vehicle
@@ -18,7 +19,6 @@ from bridgectl.dampers.loop.loop import Loop
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.steps import SUSPENSION
 from bridgectl.dampers.loop.work import require_loop
-from bridgectl.linear.cells import SAME_PLACE, merge_places
 from bridgectl.linear.lift_off import LiftOffWarning, warn_of_flight, warn_of_flights
 from bridgectl.linear.runs import Run
 from bridgectl.model.crossing import Crossing

@@ -7,8 +7,8 @@ import hashlib
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE
 from bridgectl.dampers.loop.steps import Plan
-from bridgectl.linear.cells import SAME_PLACE
 
 PIECE = 0.1
 """Distance of the places by whose drops a road is told from others [m]."""

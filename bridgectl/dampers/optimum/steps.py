@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
-from bridgectl.linear.cells import SAME_PLACE, merge_places, road_rows
+from bridgectl._places import SAME_PLACE, merge_places
+from bridgectl.linear.cells import road_rows
 from bridgectl.linear.nodes import cell_nodes
 from bridgectl.linear.runs import Run, propagate
 

@@ -11,11 +11,12 @@ import numpy as np
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._files import replacing
+from bridgectl._places import SAME_PLACE
 from bridgectl.road.files.erd import FREE_TEXT, LONG_WIDTH, SIGNATURE, WIDTH
 from bridgectl.road.files.lines import LARGEST
 from bridgectl.road.files.missing import marker_in
 from bridgectl.road.files.tracks import even_stations, odd_step, widest_gap
-from bridgectl.road.limits import TOLERANCE, first_too_steep
+from bridgectl.road.limits import first_too_steep
 from bridgectl.road.profile import RoadProfile
 
 __all__ = ["write_profile"]
@@ -119,7 +120,7 @@ def _step(x: FloatArray) -> float:
             best, least = step, error
         if least == 0:
             break
-    if least > TOLERANCE:
+    if least > SAME_PLACE:
         raise ValueError(
             f"an ERD file holds one step for all stations, but these are up to {least:.3g} m off "
             "even ones: type road.resample(0.1), or write .csv"
