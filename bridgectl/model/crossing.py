@@ -15,14 +15,14 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.effects import EffectRows, effect_rows, known_effects, static_peak
-from bridgectl.model.motion import Motion
+from bridgectl.model.equations import Equations
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.recovery import RECOVERIES
 from bridgectl.model.vehicle import Vehicle, signals, vehicle_states
 
 
 @dataclass(frozen=True)
-class Crossing(Motion):
+class Crossing(Equations):
     """A vehicle that crosses a beam at constant speed, the reference tire at x = c t.
 
     States x = [vehicle states, beam states], each coordinate followed by its rate. With the

@@ -20,7 +20,7 @@ from bridgectl.model.vehicle import Vehicle, signals, vehicle_states
 
 
 @dataclass(frozen=True)
-class Motion:
+class Equations:
     """Equations of motion of a `bridgectl.Crossing`, which tells of its parameters and states."""
 
     beam: BridgeModel
