@@ -1,6 +1,7 @@
 """Ramps both ways: odd and even effects, the DAE of second order, and that of a road class."""
 
 import dataclasses
+import warnings
 
 import numpy as np
 import pytest
@@ -83,6 +84,30 @@ def test_odd_and_even_effects_of_a_law_are_those_of_the_control_library(name, se
     """Thirty random bridges, trucks, speeds and places: within 1e-4 of the static moment."""
     found, expected = ramp_of_a_law(name, seed)
     assert found == pytest.approx(expected, abs=1e-4)
+
+
+@pytest.mark.parametrize("height", [0.03, 0.08])
+@pytest.mark.parametrize("damper", [None, "passive"])
+def test_a_ramp_that_lifts_the_tire_is_simulated_with_flight(bridge, truck, height, damper):
+    """30 mm do not, and pass without a word; of 80 mm the linear crossing would be 0.1 off."""
+    options = {"approach": 10, "ramp_height": height, "both_ways": True, "every": 50}
+    options["damper"] = None if damper is None else LAWS[damper]
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = bc.ramp_surface(bridge, truck, SPEEDS[1:], **options)
+        lifts = [bool(told)]
+        for ramp in (50, 150, 200):
+            for sign, dafs in ((1, found.daf_unit), (-1, found.daf_rise)):
+                drops = np.zeros(len(found.positions))
+                drops[ramp] = sign * height
+                road = found.road(drops)
+                simulated = bc.daf(bridge, truck, SPEEDS[1:], road, start=-10)
+                assert dafs[:, ramp] == pytest.approx(simulated, abs=1e-12)
+        assert lifts == [height > 0.05]
+    if height > 0.05:
+        assert issubclass(told[0].category, bc.LiftOffWarning)
+        assert "ramps of 0.08 m" in str(told[0].message)
+        assert told[0].filename == __file__
 
 
 def test_effects_are_the_odd_and_the_even_part(surface):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,17 +11,26 @@ import numpy as np
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._progress import track
+from bridgectl._warn import warn
 from bridgectl.linear.cells import bridge_entry, sample_positions
+from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import Run, prepare, reference_effect
 from bridgectl.model.crossing import Crossing
 from bridgectl.road import RoadProfile, ramp_covariance
 from bridgectl.road.psd import CLASSES
 from bridgectl.surface.histories import DenseHistories, Histories, factor_histories
 from bridgectl.surface.surface import RampSurface
+from bridgectl.surface.tire_contact import TireContact
 
 RAMP_LENGTH, RAMP_HEIGHT = 0.1, 1e-3
 """The unit ramp of the paper [m]: a drop of 1 mm over 100 mm."""
+
+
+LIFTING = 3.0
+"""No ramp changes the tire force by more than this times stiffness and height: a sudden step by 2
+at most without damping, and the bridge adds little."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +109,37 @@ def linear_surface(
     ramps = np.array([[histories.peaks(i, h) for i in range(speeds.size)] for h in grid.heights])[
         ..., :: grid.every
     ]
+    vehicle = crossing.linear
+    if vehicle.n_tires == 1:  # of several tires, lift-off is looked for in roads alone
+        force = LIFTING * vehicle.tire_stiffnesses[0] * grid.height
+        if force > vehicle.static_loads[0]:
+            _fly(run, speeds, grid, ramps, progress)
     return grid.surface(crossing, speeds, smooth, ramps, histories)
+
+
+def _fly(run: Run, speeds: FloatArray, grid: RampGrid, ramps: FloatArray, progress: bool) -> None:
+    """Simulate, in place, ramps (n_heights, n_speeds, n_places) that may lift the tire."""
+    contact = TireContact(run, speeds, grid.length, grid.n_ramps)
+    doubtful = np.array(
+        [[contact.doubtful_ramps(i, h) for i in range(speeds.size)] for h in grid.heights]
+    )
+    cases = np.argwhere(doubtful[..., :: grid.every].any(axis=1))
+    flights = 0
+    for k, place in track(cases, "Simulating ramps that lift tires", len(cases), show=progress):
+        ramp = place * grid.every
+        where = doubtful[k, :, ramp]
+        road = RoadProfile(grid.edges, -grid.heights[k] * (np.arange(grid.n_ramps + 1) > ramp))
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always", LiftOffWarning)
+            found = linear_dafs(run._replace(profile=road), speeds[where], progress=False)
+        ramps[k, where, place] = found
+        flights += len(told)
+    if flights:
+        warn(
+            f"a tire leaves the road at {flights} ramps of {grid.height:g} m, at some speeds: "
+            "simulated there with R >= 0; type a smaller ramp_height",
+            LiftOffWarning,
+        )
 
 
 def unit_height(given: float | str, length: float, n_ramps: int) -> float:

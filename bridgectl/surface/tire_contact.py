@@ -71,6 +71,19 @@ class TireContact:
             least = np.minimum(least, before)
         return np.asarray(least < DOUBTFUL)
 
+    def doubtful_ramps(self, speed: int, height: float) -> NDArray[np.bool_]:
+        """Tell which ramps, each on its own, may lift the tire at one speed, shape (n_ramps,).
+
+        Of ramps on the approach all may if the first may, which acts for the longest time.
+        """
+        least = superposed(self.on_bridge, speed, height).min(axis=0)
+        if self.n_before:
+            first = np.zeros((self.n_before, 1))
+            first[0] = height
+            before = 1 + self._least_change(self.durations[speed], first)
+            least[: self.n_before] = np.minimum(least[: self.n_before], before)
+        return np.asarray(least < DOUBTFUL)
+
     def _least_change(self, duration: float, drops: FloatArray) -> FloatArray:
         """Least change of the tire force on the approach, over its static load, (n_roads,)."""
         n_blocks = -(-len(drops) // BLOCK)
