@@ -7,6 +7,7 @@ and judged here, once, and the engines of linear crossings and of closed loops n
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import control
 import numpy as np
@@ -17,9 +18,6 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, count_pieces
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
-from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
-from bridgectl.dampers.loop.damped import damped_dafs, damped_response, damped_surface
-from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.estimates import require_surface
 from bridgectl.linear.response import METHODS, linear_dafs, linear_response
 from bridgectl.linear.runs import Run, prepare
@@ -36,6 +34,11 @@ from bridgectl.surface.compute import (
     unit_height,
 )
 from bridgectl.surface.surface import RampSurface
+
+if TYPE_CHECKING:
+    from bridgectl.dampers import Damper, Strategy
+
+# Dampers are imported late: they bring CasADi, which a crossing without one does not need.
 
 
 @on_one_thread
@@ -120,8 +123,10 @@ def crossing_response(
     asked = None if timepts is None else _times(timepts, run) * crossing.speed
     if damper is None:
         return _as_response(run, *linear_response(run, asked, method))
-    device = _fast(damper, method)
-    judge_range(bare_vehicle(vehicle), device)
+    from bridgectl.dampers.loop.damped import damped_response
+
+    bare, device = _fast(vehicle, damper, method)
+    judge_range(bare, device)
     return _as_response(*damped_response(run, device, np.zeros(0) if asked is None else asked))
 
 
@@ -186,12 +191,14 @@ def daf(
     judge_crossing(crossing, c, profile)
     device = None
     if damper is not None:
-        device = _fast(damper, method)
+        bare, device = _fast(vehicle, damper, method)
         _checks.choice("effect", effect, ("moment",))
-        judge_range(bare_vehicle(vehicle), device)
-        crossing, device = _resolved(crossing, device)
+        judge_range(bare, device)
+        crossing, device = _resolved(crossing, bare, device)
         run = run._replace(crossing=crossing)
     if device is not None:
+        from bridgectl.dampers.loop.damped import damped_dafs
+
         return damped_dafs(run, device, c)
     return linear_dafs(run, c, method, progress)
 
@@ -261,6 +268,8 @@ def ramp_surface(
     -----
     PlausibilityWarning
         If speeds, vehicle or damper can hardly be meant.
+    LiftOffWarning
+        If a ramp lifts the tire: its crossing is simulated with R >= 0.
     UserWarning
         If it takes minutes.
 
@@ -303,26 +312,34 @@ def ramp_surface(
     grid = RampGrid(before, length, height, n_ramps, both_ways, step)
     device = None
     if damper is not None:
-        device = _fast(damper, method)
-        judge_range(bare_vehicle(vehicle), device)
-        crossing, device = _resolved(crossing, device)
+        bare, device = _fast(vehicle, damper, method)
+        judge_range(bare, device)
+        crossing, device = _resolved(crossing, bare, device)
     if device is not None:
+        from bridgectl.dampers.loop.damped import damped_surface
+
         return damped_surface(crossing, device, c, grid)
     return linear_surface(crossing, c, grid, method, progress)
 
 
-def _fast(damper: Damper | Strategy, method: str) -> Damper:
-    """Check that a damper goes with the route."""
+def _fast(
+    vehicle: Vehicle | QuarterCar, damper: Damper | Strategy, method: str
+) -> tuple[QuarterCar, Damper]:
+    """Check that a damper goes with the route and the vehicle, which is without its own then."""
+    from bridgectl.dampers.actuator import as_damper, bare_vehicle
+
     if method != "propagator":
         raise ValueError(f"method must be 'propagator' with a damper, got {method!r}: leave it out")
-    return as_damper(damper)
+    device = as_damper(damper)
+    return bare_vehicle(vehicle), device
 
 
-def _resolved(crossing: Crossing, device: Damper) -> tuple[Crossing, Damper | None]:
+def _resolved(
+    crossing: Crossing, bare: QuarterCar, device: Damper
+) -> tuple[Crossing, Damper | None]:
     """A constant damper is another vehicle, whose crossing is linear."""
     if device.constant is None:
         return crossing, device
-    bare = bare_vehicle(crossing.vehicle)
     return replace(crossing, vehicle=replace(bare, damping=device.constant)), None
 
 

@@ -365,6 +365,15 @@ def test_nothing_is_loaded_before_it_is_used():
     subprocess.run([sys.executable, "-c", program], check=True)
 
 
+def test_a_crossing_without_a_damper_does_not_load_casadi():
+    program = (
+        "import sys, bridgectl as b; beam, car = b.li2006.beam(), b.li2006.car(); "
+        "b.daf(beam, car, 25.0); b.ramp_surface(beam, car, 25.0, ramp_length=5.0); "
+        "b.crossing_response(beam, car, 25.0); assert 'casadi' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)
+
+
 def test_every_module_is_found_by_its_name_loaded_or_not():
     program = (
         "import bridgectl as b; assert b.RampSurface is b.surface.surface.RampSurface; "

@@ -23,9 +23,9 @@ from bridgectl.cli.options import (
     add_vehicle_options,
     as_number,
     as_options,
-    check_output,
     check_plot,
     check_ramps,
+    check_work,
     file_arguments,
     make_beam,
     make_vehicle,
@@ -374,11 +374,9 @@ def _run_validate_dampers(args: argparse.Namespace) -> None:
     from bridgectl.paper.damper_validation import N_PAIRS, validate_dampers
 
     check_plot(args.plot)
-    check_output("--resume", args.resume)
+    check_work(args)
     spans = list(dict.fromkeys(numbers("--spans", args.spans, int)))
     speeds = parse_speeds(args.speeds or "60:120:5") / 3.6
-    if args.workers is not None:
-        check.integer("--workers", args.workers, at_least=1)
     pairs = check.integer("--pairs", N_PAIRS if args.pairs is None else args.pairs, at_least=2)
     with resumed(args.resume):
         cases = validate_dampers(speeds, spans, pairs, resume=args.resume, workers=args.workers)

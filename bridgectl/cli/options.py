@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import bridgectl as bc
+from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._files import is_regular, replacing
 from bridgectl._plausible import judge_kmh
@@ -138,6 +139,13 @@ def add_work_options(work: argparse._ArgumentGroup) -> None:
     work.add_argument(
         "--workers", type=as_whole, metavar="N", help="processes (default: one for each core)"
     )
+
+
+def check_work(args: argparse.Namespace) -> None:
+    """Check the options of `add_work_options`."""
+    check_output("--resume", args.resume)
+    if args.workers is not None:
+        _checks.integer("--workers", args.workers, at_least=1)
 
 
 @contextmanager

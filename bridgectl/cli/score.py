@@ -20,9 +20,9 @@ from bridgectl.cli.options import (
     add_work_options,
     as_number,
     as_whole,
-    check_output,
     check_plot,
     check_ramps,
+    check_work,
     file_arguments,
     make_beam,
     make_vehicle,
@@ -125,10 +125,8 @@ def _add_damper_options(parser: argparse.ArgumentParser) -> None:
 def run_score(args: argparse.Namespace) -> None:
     """Do what the command asks for."""
     check_plot(args.plot)
-    check_output("--resume", args.resume)
+    check_work(args)
     speeds = parse_speeds(args.speeds) / 3.6
-    if args.workers is not None:
-        check.integer("--workers", args.workers, at_least=1)
     beam, vehicle = make_beam(args), make_vehicle(args)
     dampers = _dampers(args, beam, vehicle)
     roads = _roads(args, beam.length)

@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -133,8 +134,11 @@ class Scoreboard:
 
     def rows(self) -> list[Row]:
         """Return a summary of each strategy, the lowest mean DAF first."""
-        rows = [self._row(i) for i in range(len(self.strategies))]
-        return sorted(rows, key=lambda row: row.daf)
+        return [self._row(i) for i in self._order()]
+
+    def _order(self) -> list[int]:
+        """Indices of the strategies, the lowest mean DAF first."""
+        return np.argsort([own.mean() for own in self.values["daf"]], kind="stable").tolist()
 
     def class_rows(self, road_class: str) -> list[ClassRow]:
         """Return what a road class does with each strategy, in the order of `rows`.
@@ -156,14 +160,14 @@ class Scoreboard:
         check.choice("road_class", road_class, tuple(self.surfaces))
         simulated = self.values["daf"][:, self._roads_of(road_class)]
         means, spreads = over_roads(simulated), over_roads(simulated, "spread")
-        found = {}
-        for i, surface in enumerate(self.surfaces[road_class]):
-            dae = surface.class_dae(road_class)
-            found[self.strategies[i]] = ClassRow(
+        found = []
+        for i in self._order():
+            dae = self.surfaces[road_class][i].class_dae(road_class)
+            found.append(ClassRow(
                 self.strategies[i], float(dae.mean.mean()), float(dae.sd.mean()),
                 float(means[i]), float(spreads[i]),
-            )  # fmt: skip
-        return [found[row.strategy] for row in self.rows()]
+            ))  # fmt: skip
+        return found
 
     def rankings(self) -> list[Ranking]:
         """Return how DAEs order the strategies, beside the simulated DAF: of all roads, by class.
@@ -174,6 +178,11 @@ class Scoreboard:
             Of all roads the mean DAE of Eq. (15); of each class that, the mean of second order
             over the class and its spread, the latter beside the spread of the simulated DAF.
         """
+        return list(self._rankings)
+
+    @cached_property
+    def _rankings(self) -> list[Ranking]:
+        """What text, figure and JSON ask for: each draws the roads again and again."""
         daf, dae = self.values["daf"], self.values["dae"]
         found = [self._ranking(EQ_15, "all", dae, daf)]
         for name in self.surfaces:

@@ -113,7 +113,7 @@ def ramp_heights(
     PlausibilityWarning
         If speed, vehicle or damper can hardly be meant.
     LiftOffWarning
-        If the tire leaves the road at a ramp of `ramp_height`, and the damper is semi-active.
+        If the tire leaves the road at a ramp of `ramp_height`.
 
     Examples
     --------

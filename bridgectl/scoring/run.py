@@ -35,7 +35,6 @@ from bridgectl.scoring.classes import (
     class_part,
     class_shapes,
     class_surface,
-    classes_of,
     n_class_ramps,
 )
 from bridgectl.scoring.file import Part, Parts, Shapes
@@ -194,28 +193,25 @@ def _scoreboard(
         )
         for each in study.classes
     }  # fmt: skip
-    of_road = classes_of(study.under_ramps)
-    own["dae_2"] = _second_order(surfaces, of_road, study.under_ramps, own["dae"].shape)
+    own["dae_2"] = _second_order(study, surfaces, own["dae"].shape)
     return Scoreboard(
         names, tuple(np.nan if device.constant is None else device.constant for device in devices),
         tuple(road.name or f"road {i}" for i, road in enumerate(roads, 1)), study.speeds,
         {name: own[name] for name in MEASURES}, own["daf_smooth"], own["fourth_power_95"],
-        study.beam, study.vehicle, -float(study.stations[0]), of_road, surfaces,
+        study.beam, study.vehicle, -float(study.stations[0]),
+        study.road_classes, surfaces,
     )  # fmt: skip
 
 
 def _second_order(
-    surfaces: Mapping[str, Sequence[RampSurface]],
-    of_road: Sequence[str],
-    elevations: FloatArray,
-    shape: tuple[int, ...],
+    study: Study, surfaces: Mapping[str, Sequence[RampSurface]], shape: tuple[int, ...]
 ) -> FloatArray:
     """DAE of second order by each road's own class; NaN where that has no surface."""
     found = np.full(shape, np.nan)
     for each, own in surfaces.items():
-        index = np.flatnonzero(np.array(of_road) == each)
+        index = np.flatnonzero(np.array(study.road_classes) == each)
         for i, surface in enumerate(own):
-            found[i, index] = surface.dae(elevations[index], order=2)
+            found[i, index] = surface.dae(study.under_ramps[index], order=2)
     return found
 
 

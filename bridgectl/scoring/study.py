@@ -62,9 +62,14 @@ class Study:
         return self.elevations[:, : self.n_ramps + 1]
 
     @cached_property
+    def road_classes(self) -> tuple[str, ...]:
+        """Class of each road."""
+        return classes_of(self.under_ramps)
+
+    @cached_property
     def classes(self) -> tuple[str, ...]:
         """Road classes that have a surface."""
-        return with_surface(classes_of(self.under_ramps), self.n_ramps)
+        return with_surface(self.road_classes, self.n_ramps)
 
     def roads_of(self, first: int) -> slice:
         """Those of the roads that a piece is of."""
