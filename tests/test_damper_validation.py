@@ -6,6 +6,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 from helpers import run_command
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from scipy.stats import kendalltau
 
 import bridgectl as bc
@@ -131,6 +132,17 @@ def test_the_figure_has_every_damper_of_every_case():
         lines = {line.get_label(): line.get_xydata() for line in axes.lines}
         drawn = np.vstack([xy for label, xy in lines.items() if label.startswith("class DAE")])
         assert drawn == pytest.approx(np.column_stack([case.mean_daf, case.class_dae]))
+
+
+@pytest.mark.parametrize("n_spans", [1, 2, 3])
+def test_the_legend_fits_below_any_number_of_bridges(n_spans):
+    cases = [DamperCase(**{**vars_of(made_case()), "span": 15.0 + i}) for i in range(n_spans)]
+    figure = damper_validation_figure(cases)
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    legend = figure.legends[0].get_window_extent(renderer)
+    assert figure.bbox.contains(*legend.min)
+    assert figure.bbox.contains(*legend.max)
 
 
 @pytest.mark.parametrize(

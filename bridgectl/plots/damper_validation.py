@@ -49,7 +49,8 @@ def damper_validation_figure(cases: Sequence[DamperCaseShown]) -> Figure:
     for panel in panels[:, 0]:
         panel.set_ylabel("DAE [-]")
     handles, labels = panels[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    columns = len(spans) if len(spans) < 3 else 4  # of entries, as many as fit
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns)
     return figure
 
 
