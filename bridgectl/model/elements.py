@@ -26,16 +26,16 @@ from scipy.special import gammaln
 
 from bridgectl._checks import FloatArray
 
-ROUND_OFF = 1e-17
+ROUND_OFF = 1e-15
 """Largest Legendre coefficient of a mode shape that is left out, over those kept."""
 
 FEW = 200
 """Places up to which cosines are quicker than a recurrence."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Modes:
-    """Modes of modal mass 1 kg; series in Legendre polynomials of each piece's t from -1 to 1."""
+    """Modes as series in Legendre polynomials of each piece's t, which goes from -1 to 1."""
 
     omega: FloatArray
     """[rad/s], ascending, shape (n_modes,)."""
@@ -43,6 +43,32 @@ class Modes:
     """Series of the deflection of each piece, shapes (degree + 1, n_modes)."""
     curvatures: tuple[FloatArray, ...]
     """Series of the second derivative [1/m^2], shapes (degree - 1, n_modes)."""
+
+    @cached_property
+    def chebyshev(self) -> tuple[FloatArray, ...]:
+        """The deflection as Chebyshev series."""
+        return tuple(to_chebyshev(series) for series in self.shapes)
+
+    def scaled(self, mass: float) -> Modes:
+        """Modes of modal mass 1 kg scaled to another, so that they begin downward.
+
+        That is where a shape first has half its largest value, of places that are six or more
+        in each half-wave.
+        """
+        values = np.vstack(
+            [
+                chebyshev_values(np.linspace(-1.0, 1.0, 4 * len(series)), series)
+                for series in self.chebyshev
+            ]
+        )
+        large = np.abs(values) > np.abs(values).max(axis=0) / 2
+        first = np.take_along_axis(values, np.argmax(large, axis=0)[np.newaxis], axis=0)[0]
+        scale = np.sign(first) * np.sqrt(mass)
+        return Modes(
+            self.omega,
+            tuple(scale * series for series in self.shapes),
+            tuple(scale * series for series in self.curvatures),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +142,7 @@ class Pieces:
         return displacements
 
     def modes(self, count: int) -> Modes:
-        """The lowest modes."""
+        """The lowest modes, of modal mass 1 kg."""
         waves = np.sum(self.lengths * (self.mass / self.rigidity) ** 0.25)
         # Weyl: sines over the whole bridge; supports shift this by less than one a support.
         highest = float(np.pi * (count + 1) / waves) ** 2

@@ -187,13 +187,15 @@ def checked_rayleigh(value: Any, n_modes: int) -> tuple[tuple[int, float], ...] 
 
 def rayleigh(pairs: Sequence[tuple[int, float]], omega: FloatArray) -> FloatArray:
     """Damping ratios a / w + b w that are given at two modes."""
-    of_two = omega[[mode - 1 for mode, _ in pairs]]
+    modes = [mode - 1 for mode, _ in pairs]
+    of_two, given = omega[modes], np.array([ratio for _, ratio in pairs])
     if np.ptp(of_two) <= 1e-9 * of_two[0]:
         raise ValueError(
             "damping_ratio: both modes have the same frequency: give the ratios of two others"
         )
-    terms = np.linalg.solve(np.column_stack([1 / of_two, of_two]), [ratio for _, ratio in pairs])
+    terms = np.linalg.solve(np.column_stack([1 / of_two, of_two]), given)
     ratios = terms[0] / omega + terms[1] * omega
+    ratios[modes] = given  # without round-off below 0
     if wrong := [j for j, ratio in enumerate(ratios) if not 0 <= ratio < 1]:
         j = wrong[0]
         raise ValueError(
