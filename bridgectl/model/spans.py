@@ -36,7 +36,8 @@ from bridgectl.model.supports import (
     steps,
 )
 
-MODES_A_SPAN = 8
+MODES_A_SPAN = 6
+"""DAFs of moments at 20 to 30 m/s on spans of 25 m are then within 7e-4 of those of 24 modes."""
 
 QUANTITIES = ("moment", "deflection", "shear", "reaction")
 
@@ -62,7 +63,7 @@ class Bridge:
         the default), 'clamped', 'free' (none: the tip of a cantilever), or stiffnesses
         ``{"vertical": ..., "rotational": ...}`` [N/m, N m/rad], infinite where rigid.
     n_modes : int, optional
-        Number of modes. Default: 8 a span.
+        Number of modes. Default: 6 a span, which puts the DAF of moments within 1e-3.
     damping_ratio : float, sequence or mapping, optional
         One number for *all* modes (of a `Beam` it is that of mode 1), one a mode, or those of two
         modes as ``{1: 0.02, 3: 0.03}``: the others have a / w + b w (Rayleigh damping).
