@@ -49,8 +49,7 @@ class Support:
                 object.__setattr__(self, name, _checks.not_negative(name, value))
 
     def __str__(self) -> str:
-        named = [word for word, support in KINDS.items() if support == self]
-        return named[0] if named else f"{self.vertical:g} N/m and {self.rotational:g} N m/rad"
+        return f"{self.vertical:g} N/m and {self.rotational:g} N m/rad"
 
 
 KINDS = {
@@ -122,11 +121,11 @@ def steps(value: Along, spans: tuple[float, ...]) -> tuple[FloatArray, FloatArra
     return np.cumsum(spans), np.array(value)
 
 
-def checked_supports(value: Any, n_spans: int) -> tuple[Support, ...]:
-    """Supports from words, mappings or `Support`, by default all simple."""
+def checked_supports(value: Any, n_spans: int) -> tuple[str | Support, ...]:
+    """Supports from words, mappings or `Support`, by default all simple; words where there are."""
     count = n_spans + 1
     if value is None:
-        return (KINDS["simple"],) * count
+        return ("simple",) * count
     if isinstance(value, str | Mapping | Support) or not _is_sequence(value):
         one = repr(value) if isinstance(value, str) else '"simple"'
         raise TypeError(
@@ -137,9 +136,9 @@ def checked_supports(value: Any, n_spans: int) -> tuple[Support, ...]:
         raise ValueError(
             f"supports must be {count} for {n_spans} span{'s' * (n_spans > 1)}, got {len(value)}"
         )
-    supports = tuple(_checked_support(i, support) for i, support in enumerate(value))
+    supports = [_checked_support(i, support) for i, support in enumerate(value)]
     _refuse_mechanism(supports)
-    return supports
+    return tuple(_named(support) for support in supports)
 
 
 def _checked_support(i: int, value: Any) -> Support:
@@ -155,7 +154,12 @@ def _checked_support(i: int, value: Any) -> Support:
     return KINDS[_checks.choice(f"supports[{i}]", value, tuple(KINDS))]
 
 
-def _refuse_mechanism(supports: tuple[Support, ...]) -> None:
+def _named(support: Support) -> str | Support:
+    """The word for a support that has one."""
+    return next((word for word, kind in KINDS.items() if kind == support), support)
+
+
+def _refuse_mechanism(supports: Sequence[Support]) -> None:
     held = sum(support.vertical > 0 for support in supports)
     turned = sum(support.rotational > 0 for support in supports)
     if held == 0:
