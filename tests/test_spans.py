@@ -418,6 +418,8 @@ def test_a_force_at_the_section_of_shear_is_just_beyond_it():
     assert single.influence_line([7.5 - 1e-6, 7.5, 7.5 + 1e-6], 0.3, "shear") == pytest.approx(
         [-0.3, 0.7, 0.7], abs=1e-6
     )
+    third = 1 - 2 / 3  # round-off above 1 / 3
+    assert single.influence_line(25 / 3, third, "shear") == pytest.approx(2 / 3)
     assert single.influence_line([0, 25], 0.0, "shear") == pytest.approx([1, 0])
     assert single.influence_line([0, 25], 1.0, "shear") == pytest.approx([0, -1])
 

@@ -66,6 +66,7 @@ def _section_series(pieces: Pieces, own: int, t: float, quantity: str) -> FloatA
 
 @lru_cache(maxsize=64)
 def _reaction_series(pieces: Pieces, node: int) -> FloatArray:
+    """Deflection as a rigid support moves down by 1, or a spring is pushed by its stiffness."""
     stiffness = pieces.springs[node, 0]
     if np.isinf(stiffness):
         return pieces.spread(pieces.settled(node))
@@ -125,7 +126,7 @@ def clamped_effect(
     length, rigidity : float
         Of the piece [m, N m^2].
     """
-    beyond = (force > at) | ((force == at) & (at < length))
+    beyond = (force > at) | ((force > at - SAME_PLACE) & (at < length - SAME_PLACE))
     # The section seen from the end that has no force before it: mirrored for the other one.
     s = np.where(beyond, at, length - at)
     a = np.where(beyond, force, length - force)

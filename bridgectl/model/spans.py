@@ -109,7 +109,7 @@ class Bridge:
     flexural_rigidity: float | Sequence[float] | Sequence[tuple[float, float]]
     _: KW_ONLY
     supports: Sequence[str | Support | Mapping[str, float]] | None = None
-    n_modes: int = cast(int, None)
+    n_modes: int = cast(int, None)  # until checked
     damping_ratio: float | Sequence[float] | Mapping[int, float] = 0.0
 
     def __post_init__(self) -> None:
