@@ -7,6 +7,7 @@ import warnings
 import numpy as np
 import pytest
 from helpers import rough_road
+from scipy.integrate import trapezoid
 
 import bridgectl as bc
 from bridgectl.model.bridge import BridgeModel, described
@@ -132,6 +133,16 @@ def test_modal_masses_come_from_the_mass_where_it_is_given():
     assert sampled(mass_per_length=along).modal_masses == pytest.approx(BEAM.modal_masses)
 
 
+def test_mass_that_grows_along_the_bridge_is_integrated():
+    """Linear between places, as is told: within 1e-6 of the integral of sines."""
+    x = np.linspace(0, 25, 25001)
+    mass = np.interp(x, [0, 10, 25], [1e4, 1.2e4, 1.4e4])
+    exact = trapezoid(mass[:, np.newaxis] * BEAM.mode_shapes(x) ** 2, x, axis=0)
+    told = np.interp(np.linspace(0, 25, 101), x, mass)
+    found = sampled(modal_masses=None, mass_per_length=told).modal_masses
+    assert found == pytest.approx(exact, rel=1e-6)
+
+
 def test_the_worst_pair_of_shapes_that_mass_couples_is_told():
     x = np.linspace(0, 25, 101)
     shapes = BEAM.mode_shapes(x)
@@ -149,6 +160,71 @@ def test_good_shapes_and_masses_are_not_judged_aloud():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         sampled(mass_per_length=18358, modal_masses=1.1 * BEAM.modal_masses)
+
+
+# Files
+
+TABLE = """x, bending, second
+Frequency [Hz], 4.09, 16.4
+Modal mass [kg], 229e3, 229e3
+Damping ratio, 0.01, 0.02
+
+0, 0, 0
+6.25, 0.7071, 1
+12.5, 1, 0
+18.75, 0.7071, -1
+25, 0, 0
+"""
+
+
+def read(tmp_path, text, **options):
+    file = tmp_path / "modes.csv"
+    file.write_text(text, encoding="utf-8")
+    return ModalBridge.from_csv(file, **options)
+
+
+def test_modes_are_read_from_a_table(tmp_path):
+    effects = {("moment", 0.5): (*TENT, [7.68e8, 0])}
+    expected = ModalBridge(
+        [0, 6.25, 12.5, 18.75, 25], [[0, 0], [0.7071, 1], [1, 0], [0.7071, -1], [0, 0]],
+        [4.09, 16.4], [229e3, 229e3], [0.01, 0.02], effects=effects,
+    )  # fmt: skip
+    assert read(tmp_path, TABLE, effects=effects) == expected
+    assert read(tmp_path, "\ufeff" + TABLE.replace(",", ";"), effects=effects) == expected
+
+
+def test_a_table_may_leave_out_damping_and_have_its_mass_from_elsewhere(tmp_path):
+    short = "frequency,3\n0,0\n5,1\n10,0\n"
+    bridge = read(tmp_path, short, mass_per_length=3e3)
+    assert bridge.modal_masses == pytest.approx([1e4])  # of a tent, a third of its mass
+    assert bridge.damping_ratios == pytest.approx([0])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("Frequency", "Freq", r"modes\.csv: line 2 begins with 'Freq \[Hz\]', neither a place"),
+        ("12.5, 1, 0", "12.5, 1", r"modes\.csv: line 8 has 1 value, those before it 2"),
+        ("6.25, 0.7071", "6.25, high", r"modes\.csv: line 7 has 'high', which is no number"),
+        ("Frequency [Hz], 4.09, 16.4\n", "", r"modes\.csv has no line 'frequency' \[Hz\]"),
+        ("Modal mass [kg], 229e3, 229e3\n", "", "modal_masses are missing"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_in_a_table_is_told_with_its_line(tmp_path, old, new, message):
+    with pytest.raises(ValueError, match=message):
+        read(tmp_path, TABLE.replace(old, new))
+
+
+def test_a_table_of_no_text_or_no_regular_file_is_refused(tmp_path):
+    (tmp_path / "modes.csv").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(ValueError, match=r"modes\.csv is no UTF-8 text"):
+        ModalBridge.from_csv(tmp_path / "modes.csv")
+    with pytest.raises(ValueError, match="is no regular file"):
+        ModalBridge.from_csv(tmp_path)
+    with pytest.raises(FileNotFoundError):
+        ModalBridge.from_csv(tmp_path / "none.csv")
+    with pytest.raises(TypeError, match="path must be a string or a Path"):
+        ModalBridge.from_csv(3)
 
 
 # What is refused

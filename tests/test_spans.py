@@ -537,9 +537,26 @@ def test_ways_to_give_the_deck_agree():
     )
     assert table.omega == pytest.approx(per_span.omega, rel=1e-12)
     assert table.mass == per_span.mass == pytest.approx(840e3)
+    assert Bridge(25, MU, [(25, EJ)]).omega == pytest.approx(Bridge(25, MU, EJ).omega)
     same = Bridge(25, MU, EJ, supports=[Support(), {}])
     assert Bridge([25.0], MU, EJ) == same
     assert same.supports == (HINGED, HINGED)
+
+
+def test_steps_that_round_off_keeps_apart_are_one():
+    """Ends of pieces within 1e-9 of the length, 50 nm here."""
+    table = [(25 + 4e-8, 15e3), (25 - 4e-8, 18e3)]
+    assert Bridge([25, 25], table, EJ).kinks(0.5) == pytest.approx([0, 25, 50])
+    apart = [(25 + 1e-6, 15e3), (25 - 1e-6, 18e3)]
+    assert Bridge([25, 25], apart, EJ).kinks(0.5).size == 4
+
+
+def test_by_default_a_section_is_at_the_middle():
+    bridge, x = BRIDGES["with cantilevers"], np.linspace(0, 37, 9)
+    assert bridge.influence_line(x) == pytest.approx(bridge.influence_line(x, 0.5, "moment"))
+    assert bridge.modal_effects() == pytest.approx(bridge.modal_effects(0.5, "moment"))
+    assert bridge.modal_moments() == pytest.approx(bridge.modal_moments(0.5))
+    assert bridge.kinks() == pytest.approx([0, 6, 18.5, 31, 37])
 
 
 def test_damping_is_one_number_for_all_modes_or_one_a_mode_or_rayleighs():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, cast
@@ -15,6 +16,7 @@ from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl.model.beam import _checked_damping
+from bridgectl.model.modal_table import read_modes
 from bridgectl.model.told import (
     Effect,
     EffectName,
@@ -105,6 +107,39 @@ class ModalBridge:
             checked_name(name): checked_effect(name, value, self._x, self.n_modes)
             for name, value in (effects or {}).items()
         }
+
+    @classmethod
+    def from_csv(cls, path: str | os.PathLike[str], **options: Any) -> ModalBridge:
+        """Return a bridge from a text file with a column a mode, separated by commas.
+
+        Lines that begin with 'frequency', 'modal mass' and 'damping ratio' have those [Hz, kg];
+        the others begin with a place [m] and have the shapes there. A first line of names, which
+        begins with 'x', units in brackets and semicolons for commas are understood.
+
+        Parameters
+        ----------
+        path : str or path-like
+            Name of the file.
+        **options
+            Other arguments of `ModalBridge`, such as `effects`; they come before the file's.
+
+        Returns
+        -------
+        ModalBridge
+
+        Raises
+        ------
+        OSError
+            If there is no such file.
+        TypeError, ValueError
+            If the file is no such table, with its line, or as `ModalBridge`.
+
+        Warns
+        -----
+        PlausibilityWarning
+            As `ModalBridge`.
+        """
+        return cls(**(read_modes(path) | options))
 
     def __repr__(self) -> str:
         lowest, highest = self._frequencies.min(), self._frequencies.max()
