@@ -103,6 +103,8 @@ def test_a_deflection_that_is_not_told_is_that_of_the_modes():
     assert bridge.modal_effects(1.0, "deflection") == pytest.approx([0] * 4, abs=1e-14)
     told = sampled(effects={("deflection", 0.5): (*TENT, [1, 2, 3, 4])})
     assert told.influence_line(12.5, quantity="deflection") == 6.25
+    end = sampled(effects={("shear", 1): ([0, 25], [0, -1], [1, 2, 3, 4])})
+    assert end.influence_line(25, 1.0, "shear") == -1
 
 
 def test_a_modal_bridge_is_a_value():
@@ -253,6 +255,7 @@ def test_a_table_of_no_text_or_no_regular_file_is_refused(tmp_path):
         ({"effects": {("moment", 12.5): TENT}}, "a fraction of the length, got .*12.5"),
         ({"effects": {"strain": TENT}}, r"effects\['strain'\] must be \(places .* got tuple"),
         ({"effects": {"strain": ([1], [1], [1] * 4)}}, r"\['strain'\]\[0\] must be two places"),
+        ({"effects": {"strain": ([0, 3, 3], [1] * 3, [1] * 4)}}, "each beyond the one before"),
         ({"effects": {"strain": ([0, 30], [1, 1], [1] * 4)}}, "from 0 to 25 m, got 0 to 30 m"),
         ({"effects": {"strain": ([0, 3], [1], [1] * 4)}}, r"\['strain'\]\[1\] must have shape"),
         ({"effects": {("moment", 0.5): ([0, 3], [1, 1], [1])}}, r"\[\('moment', 0\.5\)\]\[2\]"),

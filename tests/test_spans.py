@@ -309,6 +309,9 @@ def test_shapes_and_lines_vanish_off_the_bridge_and_keep_the_shape_of_places(bri
     for quantity in ("moment", "shear", "deflection"):
         assert not bridge.influence_line(off, 0.3, quantity).any()
         assert bridge.influence_line(1.0, 0.3, quantity).shape == ()
+    held = next(i for i, support in enumerate(supports_of(bridge)) if support.vertical > 0)
+    at = bridge.support_places[held] / bridge.length
+    assert not bridge.influence_line(off, at, "reaction").any()
 
 
 def test_few_places_and_many_have_the_same_shapes():
