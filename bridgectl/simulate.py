@@ -18,6 +18,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, count_pieces
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
+from bridgectl._units import to_kmh
 from bridgectl.linear.estimates import require_surface
 from bridgectl.linear.response import METHODS, linear_dafs, linear_response
 from bridgectl.linear.runs import Run, prepare
@@ -363,7 +364,7 @@ def _as_response(
         state_labels=crossing.state_labels,
         input_labels=crossing.input_labels,
         sysname="crossing",
-        title=f"Crossing at {crossing.speed * 3.6:g} km/h",
+        title=f"Crossing at {to_kmh(crossing.speed):g} km/h",
         params={
             "speed": crossing.speed,
             "section": crossing.section,

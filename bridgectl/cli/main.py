@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 
 import bridgectl as bc
 from bridgectl import _checks as check
+from bridgectl._units import from_kmh
 from bridgectl._work import memory_advice
 from bridgectl.cli.options import (
     add_bridge_options,
@@ -255,7 +256,7 @@ def _parser() -> _Parser:
 def _run_dae(args: argparse.Namespace) -> None:
     from bridgectl.cli.tables import DaeStudy, dae_json, print_dae
 
-    speeds = parse_speeds(args.speeds) / 3.6
+    speeds = from_kmh(parse_speeds(args.speeds))
     check_plot(args.plot)
     beam, vehicle = make_beam(args), make_vehicle(args)
     road, station = _road(args, beam.length)
@@ -351,7 +352,7 @@ def _run_validate(args: argparse.Namespace) -> None:
     spans = list(dict.fromkeys(numbers("--spans", args.spans, int)))
     if max(spans) > LAST:
         raise ValueError(f"--spans must be {LAST:g} m at most, as the roads, got {args.spans}")
-    speeds = parse_speeds(args.speeds or "50:150:1") / 3.6
+    speeds = from_kmh(parse_speeds(args.speeds or "50:150:1"))
     for span in spans:  # of a span that there is not, before the work
         bc.li2006.beam(span)
     with working("making the roads"):
@@ -376,7 +377,7 @@ def _run_validate_dampers(args: argparse.Namespace) -> None:
     check_plot(args.plot)
     check_work(args)
     spans = list(dict.fromkeys(numbers("--spans", args.spans, int)))
-    speeds = parse_speeds(args.speeds or "60:120:5") / 3.6
+    speeds = from_kmh(parse_speeds(args.speeds or "60:120:5"))
     pairs = check.integer("--pairs", N_PAIRS if args.pairs is None else args.pairs, at_least=2)
     with resumed(args.resume):
         cases = validate_dampers(speeds, spans, pairs, resume=args.resume, workers=args.workers)

@@ -11,6 +11,7 @@ import numpy as np
 
 import bridgectl as bc
 from bridgectl import _checks as check
+from bridgectl._units import from_kmh
 from bridgectl._work import Work, at_most, require_feasible
 from bridgectl.cli.options import (
     add_bridge_options,
@@ -126,7 +127,7 @@ def run_score(args: argparse.Namespace) -> None:
     """Do what the command asks for."""
     check_plot(args.plot)
     check_work(args)
-    speeds = parse_speeds(args.speeds) / 3.6
+    speeds = from_kmh(parse_speeds(args.speeds))
     beam, vehicle = make_beam(args), make_vehicle(args)
     dampers = _dampers(args, beam, vehicle)
     roads = _roads(args, beam.length)

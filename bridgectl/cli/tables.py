@@ -13,6 +13,7 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_smoothness
 from bridgectl._tables import make_console, make_table
+from bridgectl._units import to_kmh
 from bridgectl._version import __version__
 from bridgectl.model.beam import Beam
 from bridgectl.model.quarter_car import QuarterCar
@@ -113,7 +114,7 @@ def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
 def print_dae(study: DaeStudy) -> None:
     """Print the amplification by speed, the critical speed, and the largest ramps."""
     surface, console = study.surface, make_console()
-    kmh, critical = surface.speeds * 3.6, study.critical
+    kmh, critical = to_kmh(surface.speeds), study.critical
     console.print(_dae_heading(study))
     columns = ["speed [km/h]", "DAF smooth", "DAE", "superposed DAF", "simulated DAF", "DAE error"]
     table = make_table("Dynamic amplification by speed", columns)
@@ -172,12 +173,12 @@ def dae_json(study: DaeStudy) -> dict[str, Any]:
                     "suspension_stiffness_N_per_m": vehicle.suspension_stiffness,
                     "tire_stiffness_N_per_m": vehicle.tire_stiffness,
                     "damping_N_s_per_m": vehicle.damping},
-        "speed_km_per_h": (surface.speeds * 3.6).tolist(),
+        "speed_km_per_h": to_kmh(surface.speeds).tolist(),
         "daf_smooth": surface.daf_smooth.tolist(),
         "dae": study.dae.tolist(),
         "daf_superposed": study.superposed.tolist(),
         "daf_simulated": study.simulated.tolist(),
-        "critical_speed_km_per_h": float(surface.speeds[critical] * 3.6),
+        "critical_speed_km_per_h": float(to_kmh(surface.speeds[critical])),
         "critical_daf": float(study.simulated[critical]),
         "largest_contributions": [
             {"x_m": x, "rise_m": rise, "contribution": part} for x, rise, part in study.largest()

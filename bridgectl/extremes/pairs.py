@@ -15,6 +15,7 @@ from scipy.optimize import minimize
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
+from bridgectl._units import to_kmh
 from bridgectl.extremes.common import IRI_TOLERANCE, NO_EFFECT, speed_index
 from bridgectl.road import RoadProfile
 from bridgectl.road.iri import suspension_slope
@@ -55,7 +56,7 @@ class EqualRoughnessPair:
     def __repr__(self) -> str:
         return (
             f"EqualRoughnessPair(IRI {self.iri[0]:.3f} and {self.iri[1]:.3f} m/km, DAE "
-            f"{self.dae[0]:.4f} and {self.dae[1]:.4f} at {self.speed * 3.6:g} km/h)"
+            f"{self.dae[0]:.4f} and {self.dae[1]:.4f} at {to_kmh(self.speed):g} km/h)"
         )
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import to_kmh
 from bridgectl._warn import warn
 from bridgectl.linear.cells import GAUSS, N_STAGES, Cells, build_cells, road_rows
 from bridgectl.linear.runs import LIFT_OFF, Run
@@ -215,7 +216,7 @@ def warn_of_flights(flights: Mapping[float, float], n_speeds: int) -> None:
     if flights:
         warn(
             f"a tire leaves the road at {len(flights)} of {n_speeds} speeds, the slowest "
-            f"{min(flights) * 3.6:.0f} km/h, the first place x = {min(flights.values()):.1f} m: "
+            f"{to_kmh(min(flights)):.0f} km/h, the first place x = {min(flights.values()):.1f} m: "
             "simulated there with R >= 0",
             LiftOffWarning,
         )

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._units import from_kmh
 from bridgectl.model.beam import Beam
 from bridgectl.paper import li2006
 from bridgectl.paper.damper_sets import known_dampers, unseen_dampers
@@ -34,7 +35,7 @@ SPANS, CLASSES = (15, 25, 35), ("A", "B")
 APPROACH = 60.0
 """Road before the bridge that is driven [m]."""
 
-SPEEDS = np.arange(60, 121, 5) / 3.6
+SPEEDS = from_kmh(np.arange(60.0, 121, 5))
 
 N_PAIRS, SEED = 60, 1306
 """Roads of each class, which have a mirror image each, and their seed."""

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import from_kmh
 from bridgectl.paper import li2006
 from bridgectl.simulate import daf, ramp_surface
 from bridgectl.surface.surface import RampSurface
@@ -115,7 +116,7 @@ def _surface(ramp_height: float) -> RampSurface:
     return ramp_surface(
         li2006.beam(),
         li2006.car(),
-        SPEEDS_KMH / 3.6,
+        from_kmh(SPEEDS_KMH),
         ramp_length=SEGMENT,
         ramp_height=ramp_height,
         recovery=RECOVERY,

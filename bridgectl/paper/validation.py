@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._progress import track
+from bridgectl._units import from_kmh, to_kmh
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import linear_contact, prepare
 from bridgectl.model.crossing import Crossing
@@ -50,7 +51,7 @@ class Peak(NamedTuple):
     """Where it is [m/s]."""
 
     def __repr__(self) -> str:
-        return f"Peak({self.value:.4f} at {self.speed * 3.6:g} km/h)"
+        return f"Peak({self.value:.4f} at {to_kmh(self.speed):g} km/h)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +88,8 @@ class Case:
     def __repr__(self) -> str:
         return (
             f"Case(road {self.road} on {self.span:g} m after {self.approach:g} m, peak DAF "
-            f"{self.daf_peak.value:.4f} at {self.daf_peak.speed * 3.6:g} km/h, peak DAE "
-            f"{self.dae_peak.value:.4f} at {self.dae_peak.speed * 3.6:g} km/h)"
+            f"{self.daf_peak.value:.4f} at {to_kmh(self.daf_peak.speed):g} km/h, peak DAE "
+            f"{self.dae_peak.value:.4f} at {to_kmh(self.dae_peak.speed):g} km/h)"
         )
 
     @property
@@ -176,7 +177,7 @@ class ValidationResults:
     light: WarningLight
 
     def __repr__(self) -> str:
-        kmh = self.speeds * 3.6
+        kmh = to_kmh(self.speeds)
         return (
             f"ValidationResults({len(self.cases)} cases of {len(self.roads)} roads, {kmh.size} "
             f"speeds from {kmh.min():g} to {kmh.max():g} km/h, median difference of peaks "
@@ -280,7 +281,7 @@ def validate(
     >>> len(results.cases), f"{results.median_difference:.4f}"
     (8, '0.0000')
     """
-    c = check.speeds(SPEEDS_KMH / 3.6 if speeds is None else speeds)
+    c = check.speeds(from_kmh(SPEEDS_KMH) if speeds is None else speeds)
     if not len(spans) or not len(starts) or (roads is not None and not len(roads)):
         raise ValueError("spans, starts and roads must hold one value each at least")
     approaches = [check.not_negative("starts", start, unit="m") for start in starts]

@@ -13,6 +13,7 @@ from matplotlib.markers import CARETUP
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import to_kmh
 from bridgectl.plots.shown import BeamShown, RoadShown
 from bridgectl.plots.style import (
     BLACK,
@@ -123,7 +124,7 @@ class _Scene:
     def name(self, slower: float) -> None:
         """Write the title, and the scales of what is drawn."""
         shown = f"{slower:.2g} times slower" if slower >= 1 else f"{1 / slower:.2g} times faster"
-        kmh = self.motion.speed * 3.6
+        kmh = to_kmh(self.motion.speed)
         self.scene.set_title(f"{kmh:.4g} km/h over a bridge of {self.span:g} m, {shown} than it is")
         self.scene.text(
             0.995, 0.97,

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bridgectl._units import to_kmh
 from bridgectl.plots.shown import RampHeightsShown
 from bridgectl.plots.style import BLACK, BLUE, GREY, SKY, VERMILLION, styled
 
@@ -85,7 +86,7 @@ def _one_place(found: object) -> str:
             "example [bridgectl.ramp_heights(beam, vehicle, damper, speed, place)]"
         )
     first, *others = dict.fromkeys(
-        f"x = {one.place:.4g} m from the start of the bridge, {one.speed * 3.6:.4g} km/h"
+        f"x = {one.place:.4g} m from the start of the bridge, {to_kmh(one.speed):.4g} km/h"
         for one in listed
     )
     if others:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import to_kmh
 from bridgectl.plots.shown import LineShown, PairShown, PsdShown, RoadShown
 from bridgectl.plots.style import (
     BRIDGE_TINT,
@@ -150,7 +151,7 @@ def pair_figure(
     figure = Figure(figsize=(10.0, 7.4), layout="constrained")
     panels = figure.subplot_mosaic([["roads", "roads"], ["spectra", "daf"]], height_ratios=(1, 1.3))
     roads, colors = (pair.first, pair.second), _colors(2)
-    kmh = np.asarray(speeds) * 3.6
+    kmh = to_kmh(np.asarray(speeds))
     for i, (road, color) in enumerate(zip(roads, colors, strict=True)):
         label = f"case {i + 1}: IRI {pair.iri[i]:.2f} m/km"
         panels["roads"].plot(road.x, 1e3 * road.elevation, color=color, lw=1.2, label=label)
@@ -160,10 +161,10 @@ def pair_figure(
         panels["spectra"].loglog(psd.wavenumber, psd.density, **look)
     if smooth is not None:
         panels["daf"].plot(kmh, smooth, ":", color=GREY, lw=1.8, label="smooth road")
-    panels["daf"].axvline(pair.speed * 3.6, color=GREY, lw=0.9, zorder=1)
+    panels["daf"].axvline(to_kmh(pair.speed), color=GREY, lw=0.9, zorder=1)
     panels["daf"].set(
         xlabel=SPEED_LABEL, ylabel="DAF [-]",
-        title=f"made to differ at {pair.speed * 3.6:.4g} km/h",
+        title=f"made to differ at {to_kmh(pair.speed):.4g} km/h",
     )  # fmt: skip
     panels["roads"].axvspan(0, float(roads[0].x[-1]), color=BRIDGE_TINT, zorder=0)
     panels["roads"].set(

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import to_kmh
 from bridgectl.plots.labels import label_points
 from bridgectl.plots.score_dae import draw_class_dae, draw_gains
 from bridgectl.plots.shown import BoardShown
@@ -181,7 +182,7 @@ def _color(name: str, looks: dict[str, _Look]) -> str:
 def _draw_speeds(ax: Axes, board: BoardShown, measure: str, looks: dict[str, _Look]) -> None:
     """A measure over the speed, averaged over the roads."""
     order = np.argsort(board.speeds)
-    kmh: FloatArray = board.speeds[order] * 3.6
+    kmh: FloatArray = to_kmh(board.speeds[order])
     for name, values in zip(board.strategies, board.values[measure], strict=True):
         y = values.mean(axis=0)[order]
         look = looks.get(name)

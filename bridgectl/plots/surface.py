@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import to_kmh
 from bridgectl.plots.shown import SurfaceShown
 from bridgectl.plots.style import BLACK, PLACE_LABEL, SPEED_LABEL, TRACKS, new_axes, styled
 
@@ -107,7 +108,7 @@ def surface_plot(
         ax.set_title(f"what {ramp} changes")
     else:
         ax.set_title(f"DAF with {ramp}")
-    places, kmh = surface.positions / surface.beam.length, surface.speeds * 3.6
+    places, kmh = surface.positions / surface.beam.length, to_kmh(surface.speeds)
     filled = ax.contourf(places, kmh, values, **look)
     ax.contour(filled, colors=BLACK, linewidths=0.25, alpha=0.5)
     label = "change of the DAF [-]" if difference else "DAF [-]"
@@ -164,14 +165,14 @@ def draw_lines(
     wanted = np.linspace(*ends, N_LINES) if speeds is None else np.atleast_1d(np.asarray(speeds))
     nearest = np.unique(np.abs(surface.speeds - wanted[:, np.newaxis]).argmin(axis=1))
     for i, color in zip(nearest, cycle(TRACKS), strict=False):
-        label = f"{surface.speeds[i] * 3.6:.4g} km/h"
+        label = f"{to_kmh(surface.speeds[i]):.4g} km/h"
         ax.plot(surface.positions / surface.beam.length, values[i], color=color, label=label)
 
 
 def curve_of(surface: SurfaceShown, values: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Speeds [km/h] in increasing order, and values."""
     order = np.argsort(surface.speeds)
-    return surface.speeds[order] * 3.6, np.asarray(values)[order]
+    return to_kmh(surface.speeds[order]), np.asarray(values)[order]
 
 
 def dots_of(surface: SurfaceShown) -> dict[str, Any]:

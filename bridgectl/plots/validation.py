@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
+from bridgectl._units import to_kmh
 from bridgectl.plots.shown import CaseShown, RoadShown, ValidationShown
 from bridgectl.plots.style import (
     BLACK,
@@ -97,14 +98,14 @@ def _draw_road(ax: Axes, road: RoadShown, approach: float, span: float) -> None:
 
 def _draw_case(ax: Axes, case: CaseShown) -> None:
     order = np.argsort(case.speeds)
-    kmh = case.speeds[order] * 3.6
+    kmh = to_kmh(case.speeds[order])
     marker = "o" if len(kmh) < 15 else ""
     ax.plot(kmh, case.superposed[order], color=SKY, lw=4.0, label="superposed DAF")
     ax.plot(kmh, case.simulated[order], color=BLACK, lw=1.1, label="simulated DAF",
             marker=marker, ms=2.5)  # fmt: skip
     ax.plot(kmh, case.dae[order], "--", color=VERMILLION, lw=1.4, label="DAE",
             marker=marker, ms=2.5)  # fmt: skip
-    for speed in case.speeds[case.flying] * 3.6:
+    for speed in to_kmh(case.speeds[case.flying]):
         ax.axvline(speed, color=GREY, lw=2.0, alpha=0.3, zorder=0)
     ax.xaxis.set_major_locator(MultipleLocator(50) if np.ptp(kmh) > 60 else MaxNLocator(3))
     ax.yaxis.set_major_locator(MaxNLocator(4))

@@ -16,10 +16,11 @@ from scipy.signal import lfilter
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._units import from_kmh
 from bridgectl._warn import warn
 from bridgectl.road.limits import even_step
 
-SPEED = 80 / 3.6
+SPEED = from_kmh(80.0)
 """Speed of the golden car [m/s]."""
 
 TIRE, SUSPENSION, DAMPING, UNSPRUNG = 653.0, 63.3, 6.0, 0.15

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_range
+from bridgectl._units import to_kmh
 from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
 from bridgectl.dampers.loop.closed_loop import simulate_loop
 from bridgectl.dampers.strategy import Strategy
@@ -59,7 +60,7 @@ class RampHeights:
         return (
             f"RampHeights({self.damper!r}, {self.heights.size} heights up to "
             f"{self.heights[-1] * 1e3:.4g} mm at x = {self.place:.4g} m and "
-            f"{self.speed * 3.6:.4g} km/h, DAF from {self.daf.min():.4f} to {self.daf.max():.4f})"
+            f"{to_kmh(self.speed):.4g} km/h, DAF from {self.daf.min():.4f} to {self.daf.max():.4f})"
         )
 
 

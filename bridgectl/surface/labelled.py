@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bridgectl import _version
+from bridgectl._units import to_kmh
 from bridgectl.surface.parts import COMPUTED, UNITS, leaves, require_surface
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ def surface_to_xarray(surface: Any) -> xarray.Dataset:
         },
         {
             "speed": ("speed", surface.speeds, _labels("m/s", "speed c")),
-            "speed_kmh": ("speed", surface.speeds * 3.6, _labels("km/h", "speed c")),
+            "speed_kmh": ("speed", to_kmh(surface.speeds), _labels("km/h", "speed c")),
             "position": ("position", x, _labels("m", "start x of the ramp on the bridge")),
             "x_over_l": ("position", x / surface.beam.length, _labels("1", "start x / l")),
         },

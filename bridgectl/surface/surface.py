@@ -13,6 +13,7 @@ from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_roads
 from bridgectl._threads import on_one_thread
+from bridgectl._units import to_kmh
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import prepare
@@ -66,7 +67,7 @@ class RampSurface(UnitRamps):
     every: int = 1
 
     def __repr__(self) -> str:
-        kmh = self.speeds * 3.6
+        kmh = to_kmh(self.speeds)
         rest = "" if self.section == 0.5 else f", section={self.section:g} of the span"
         rest += "" if self.effect == "moment" else f", effect={self.effect!r}"
         rest += "" if self.daf_rise is None else ", both ways"
