@@ -10,7 +10,7 @@ from bridgectl import _checks as check
 from bridgectl.dampers import Damper, Strategy
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 from bridgectl.plots.animation import BETWEEN, Motion, draw_crossing
 from bridgectl.road import RoadProfile
 from bridgectl.simulate import crossing_response
@@ -87,11 +87,7 @@ def crossing_animation(
     ...     (Path(folder) / "crossing.gif").read_bytes()[:6]
     b'GIF89a'
     """
-    if not isinstance(vehicle, QuarterCar):
-        raise TypeError(
-            f"vehicle must be a bridgectl.QuarterCar to be drawn, got {type(vehicle).__name__}"
-        )
-    crossing = Crossing(beam, vehicle, speed)
+    crossing = Crossing(beam, require_quarter_car(vehicle, "no other is drawn"), speed)
     count = check.integer("frames", frames, at_least=2)
     rate = check.positive("fps", fps)
     c, span = crossing.speed, beam.length

@@ -12,7 +12,7 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_damper
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 from bridgectl.model.vehicle import Vehicle
 
 
@@ -121,9 +121,4 @@ def as_damper(damper: object) -> Damper:
 
 def bare_vehicle(vehicle: Vehicle | QuarterCar) -> QuarterCar:
     """Return a quarter-car without its damper."""
-    if not isinstance(vehicle, QuarterCar):
-        raise TypeError(
-            f"vehicle must be a QuarterCar, got {type(vehicle).__name__}: other vehicles have "
-            "passive dampers only, type for example bridgectl.li2006.car()"
-        )
-    return replace(vehicle, damping=0.0)
+    return replace(require_quarter_car(vehicle), damping=0.0)

@@ -18,12 +18,11 @@ from bridgectl.dampers.preset import preset
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.dampers.tire_laws import (
     extended_groundhook,
-    quarter_car,
     selective_groundhook,
     tire_groundhook,
 )
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 
 
 def library(
@@ -73,7 +72,7 @@ def library(
     clipped LQR
     bridgehook
     """
-    if quarter_car(vehicle).damping == 0:
+    if require_quarter_car(vehicle).damping == 0:
         raise ValueError(
             "vehicle must have a damping above 0 [N s/m], which strategies are compared with"
         )

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 from bridgectl.road.psd import REFERENCE
 from bridgectl.road.spectrum import requested_roughness
 
@@ -311,12 +311,7 @@ def _residual(car: QuarterCar) -> float:
 
 
 def _car(car: QuarterCar) -> QuarterCar:
-    if not isinstance(car, QuarterCar):
-        raise TypeError(
-            f"car must be a QuarterCar, as bc.li2006.car(), for the closed forms hold for it "
-            f"alone; got {type(car).__name__}"
-        )
-    return car
+    return require_quarter_car(car, "the closed forms hold for it alone", "car")
 
 
 def _damping(car: QuarterCar, damping: ArrayLike | None) -> FloatArray:

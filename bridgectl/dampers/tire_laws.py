@@ -17,7 +17,7 @@ from bridgectl import _checks as check
 from bridgectl.dampers.passive_theory import invariant_frequencies
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.dampers.switching import DEAD_BAND, Gains, damping_for, on_off
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 
 
 def tire_groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy:
@@ -212,7 +212,7 @@ def selective_groundhook(
     >>> law.command(tire_force=103.1e3, tire_force_rate=rates, suspension_velocity=0.1)
     array([ 1000., 30000.])
     """
-    quick = 2 * np.pi * invariant_frequencies(quarter_car(vehicle)).tire_force[-1]
+    quick = 2 * np.pi * invariant_frequencies(require_quarter_car(vehicle)).tire_force[-1]
     rate = quick if crossover is None else check.not_negative("crossover", crossover, unit="rad/s")
 
     def driver(s: Any, g: Any) -> Any:
@@ -228,7 +228,7 @@ def selective_groundhook(
 
 def tire_gains(vehicle: QuarterCar) -> Gains:
     """Return what turns a tire force into a deflection: W [N] and K_t [N/m], as gains."""
-    load = float(quarter_car(vehicle).linear.static_loads[0])
+    load = float(require_quarter_car(vehicle).linear.static_loads[0])
     return {
         "static_load": (load, 0.0, 1e7),
         "tire_stiffness": (vehicle.tire_stiffness, 1.0, 1e9),
@@ -238,12 +238,3 @@ def tire_gains(vehicle: QuarterCar) -> Gains:
 def deflection_of_tire(s: Any, g: Any) -> Any:
     """Return e = (R - W) / K_t [m] of signals and `tire_gains`."""
     return (s.tire_force - g.static_load) / g.tire_stiffness
-
-
-def quarter_car(vehicle: QuarterCar) -> QuarterCar:
-    """Return the vehicle, if it is a quarter-car."""
-    if not isinstance(vehicle, QuarterCar):
-        raise TypeError(
-            f"vehicle must be a QuarterCar, as bc.li2006.car(), got {type(vehicle).__name__}"
-        )
-    return vehicle
