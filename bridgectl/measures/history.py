@@ -101,6 +101,7 @@ def switching_count(
 
     The command counts as stiff once it rises above the middle of its range by half the dead
     band, and as soft once it falls as far below: what stays inside the dead band is no change.
+    The `switches` of `bridgectl.dampers.simulate_loop`, and of scores, have no dead band.
 
     Parameters
     ----------
@@ -133,12 +134,19 @@ def switching_count(
     band = check.not_negative("dead_band", dead_band)
     if band >= 1:
         raise ValueError(f"dead_band must be a fraction of the range below 1, got {band:g}")
-    place = (histories("command", command, "N s/m") - (low + high) / 2) / (high - low)
-    half = np.where(place > band / 2, 1, np.where(place < -band / 2, -1, 0))
+    half = half_of_range(histories("command", command, "N s/m"), low, high, band)
     # Inside the dead band the last half holds; before the first, none does.
     last = np.maximum.accumulate(np.where(half != 0, np.arange(half.shape[-1]), 0), axis=-1)
     held = np.take_along_axis(half, last, axis=-1)
     return np.sum(held[..., 1:] * held[..., :-1] < 0, axis=-1)
+
+
+def half_of_range(
+    command: FloatArray, low: float, high: float, dead_band: float = 0.0
+) -> FloatArray:
+    """Return 1 for commands in the stiff half, -1 in the soft one, 0 in the dead band between."""
+    from_middle = command - (low + high) / 2
+    return np.sign(from_middle) * (np.abs(from_middle) > dead_band / 2 * (high - low))
 
 
 def histories(name: str, value: ArrayLike, unit: str = "") -> FloatArray:

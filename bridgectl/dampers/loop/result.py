@@ -25,7 +25,8 @@ class LoopResult:
     dissipated : ndarray
         Energy that the damper has taken out [J].
     switches : ndarray
-        Number of times that the command crosses the middle of its range.
+        Number of times that the command crosses the middle of its range, by however little: as
+        `bridgectl.measures.switching_count` counts them without a dead band.
     histories : tuple of dict
         For each speed, what was recorded by name, shape (n_roads, n_samples): samples of the
         controller, the first at the first station. See `simulate_loop` for their units.
