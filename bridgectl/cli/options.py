@@ -18,6 +18,7 @@ import bridgectl as bc
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._files import is_regular, replacing
+from bridgectl._places import SAME_PLACE, even_places, whole_pieces
 from bridgectl._plausible import judge_kmh
 from bridgectl.model.recovery import RECOVERIES
 from bridgectl.surface.compute import RAMP_LENGTH
@@ -238,7 +239,7 @@ def place_road(
     station = station if args.station is None else args.station
     end = span + departure
     first, last = float(whole.x[0]) + args.approach, float(whole.x[-1]) - end
-    if not first - 1e-9 <= station <= last + 1e-9:
+    if not first - SAME_PLACE <= station <= last + SAME_PLACE:
         room = (
             f"--station must lie between {first:g} and {last:g} m"
             if first <= last
@@ -263,7 +264,7 @@ def check_ramps(option: str, length: float) -> None:
     """Find out whether a length [m] is one of whole ramps."""
     if not 0 <= length < np.inf:
         raise ValueError(f"{option} must be 0 m or more, got {length:g}")
-    if not np.isclose(length, round(length / RAMP_LENGTH) * RAMP_LENGTH, 0, 1e-9):
+    if not np.isclose(length, round(length / RAMP_LENGTH) * RAMP_LENGTH, 0, SAME_PLACE):
         raise ValueError(
             f"{option} must be a whole number of {RAMP_LENGTH:g} m ramps, got {length:.10g}"
         )
@@ -303,7 +304,7 @@ def parse_speeds(text: str) -> FloatArray:
             raise ValueError(f"--speeds must rise from above 0 km/h, as 50:150:1, got {text!r}")
         if (last - first) / step > 10_000:
             raise ValueError(f"--speeds must be at most 10000 speeds, got {text!r}")
-        speeds = first + step * np.arange(int((last - first) / step + 1e-9) + 1)
+        speeds = even_places(first, step, whole_pieces(last - first, step) + 1)
     if not (np.isfinite(speeds).all() and (speeds > 0).all()):
         raise ValueError(f"--speeds must be above 0 km/h, got {text!r}")
     slowest, fastest = SPEEDS_KMH

@@ -47,6 +47,7 @@ from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.road.elevations import drops_of
 
 N_POINTS = len(POINTS)
 
@@ -140,7 +141,7 @@ def program_sensitivity(
     require_loop(crossing, [Damper(law)], np.array([crossing.speed]), x, len(z))
     steps, sampled = _steps(crossing, Damper(law), x)
     maps = _maps(crossing, steps, law.command(position=sampled))
-    drops = np.ascontiguousarray((z[:, :1] - z).T)
+    drops = drops_of(z)
     dafs, at_steps = [], []
     for first in range(0, len(z), ROADS_AT_ONCE):
         rates, moments = _forward(maps, drops[:, first : first + ROADS_AT_ONCE], crossing)

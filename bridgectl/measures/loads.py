@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE, count_pieces, whole_pieces
 from bridgectl._warn import asker, warn
 from bridgectl.measures.history import histories
 
@@ -239,7 +240,9 @@ def aggregate_fourth_power(
     where = _positions(position, forces.shape)
     width = check.positive("cell", cell, unit="m")
     first, stop = _common_cells(where, width)
-    means = _cell_means(fourth, np.floor(where / width + 1e-9).astype(int) - first, stop - first)
+    means = _cell_means(
+        fourth, np.floor(where / width + SAME_PLACE).astype(int) - first, stop - first
+    )
     weights = np.broadcast_to(loads, forces.shape[:-1]).reshape(-1) ** 4
     values = weights @ means / weights.sum()
     return FourthPower((np.arange(first, stop) + 0.5) * width, values)
@@ -289,7 +292,7 @@ def _positions(position: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
 def _common_cells(where: FloatArray, width: float) -> tuple[int, int]:
     """First place that every row covers, and the one after the last, in cells from 0 m."""
     begin, end = where[..., 0].max(), where[..., -1].min()
-    first, stop = int(np.ceil(begin / width - 1e-9)), int(np.floor(end / width + 1e-9))
+    first, stop = count_pieces(begin, width), whole_pieces(end, width)
     if stop <= first:
         raise ValueError(
             f"no place of {width:g} m lies on every tire's way, from {begin:g} m to {end:g} m: "

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import even_places
 from bridgectl._units import from_kmh
 from bridgectl.model.beam import Beam
 from bridgectl.paper import li2006
@@ -258,7 +259,7 @@ def _roads(beam: Beam, n_pairs: int, approach: float) -> list[RoadProfile]:
     found = []
     for number, name in enumerate(CLASSES):
         z = iso8608_elevations(n_pairs, name, length, RAMP_LENGTH, seed=SEED + number)
-        x = -approach + RAMP_LENGTH * np.arange(z.shape[1])
+        x = even_places(-approach, RAMP_LENGTH, z.shape[1])
         found += [RoadProfile(x, each, name=f"class {name}") for each in (*z, *-z)]
     return found
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
+from bridgectl._places import SAME_PLACE
 from bridgectl._units import to_kmh
 from bridgectl.plots.shown import CaseShown, RoadShown, ValidationShown
 from bridgectl.plots.style import (
@@ -87,7 +88,7 @@ def validation_figure(results: ValidationShown) -> Figure:
 
 def _draw_road(ax: Axes, road: RoadShown, approach: float, span: float) -> None:
     """Elevation of a road, with the longest bridge."""
-    shown = (road.x >= -approach - 1e-9) & (road.x <= span + 1e-9)
+    shown = (road.x >= -approach - SAME_PLACE) & (road.x <= span + SAME_PLACE)
     ax.axvspan(0, span, color=BRIDGE_TINT, zorder=0)
     ax.plot(road.x[shown], 1e3 * road.elevation[shown], color=BLACK, lw=0.9)
     ax.set_title(road.name, fontsize=9.5, parse_math=False)

@@ -1,8 +1,8 @@
 """What is read from elevations over stations: the ramps a tire meets, and how rough they are.
 
 A road holds the elevation z, positive *up*, as road files and ISO 8608 do. The equations of the
-crossing use the paper's r, positive *down* (Eq. 2). The sign changes in `Elevations.drop` and
-nowhere else; `Elevations.ramps` gives the differences of that r.
+crossing use the paper's r, positive *down* (Eq. 2). The sign changes in `Elevations.drop`, and
+in `drops_of` of roads side by side; `Elevations.ramps` gives the differences of that r.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl._places import SAME_PLACE, count_pieces
+from bridgectl._places import SAME_PLACE, count_pieces, even_places
 from bridgectl.road.iri import GOOD, running_iri, segment_iri
 from bridgectl.road.limits import mean_step
 from bridgectl.road.psd import RoadPsd, road_psd
@@ -32,6 +32,11 @@ class Ramps(NamedTuple):
     """Station x_i where each ramp starts [m], shape (n,)."""
     heights: FloatArray
     """Drop over each ramp, r(x_i + length) - r(x_i) [m], positive downward, shape (n,)."""
+
+
+def drops_of(elevations: FloatArray) -> FloatArray:
+    """Return r, the drop below the first station, of roads (n_roads, n): one row a station."""
+    return np.ascontiguousarray((elevations[:, :1] - elevations).T)
 
 
 class Elevations(Stations):
@@ -168,7 +173,7 @@ class Elevations(Stations):
         """
         first, last = self._stretch(start, stop)
         pieces = count_pieces(last - first, check.positive("length", length, unit="m"))
-        ends = first + length * np.arange(max(1, pieces) + 1, dtype=np.float64)
+        ends = even_places(first, length, max(1, pieces) + 1)
         drops = self.drop(ends, first)
         return Ramps(ends[:-1], drops[1:] - drops[:-1])
 

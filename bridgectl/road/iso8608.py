@@ -12,6 +12,7 @@ from scipy.fft import irfft, next_fast_len
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import even_places, whole_pieces
 from bridgectl._threads import on_one_thread
 from bridgectl._work import Work, at_least, at_most, require_feasible
 from bridgectl.road.filtered import filtered_noise
@@ -99,7 +100,7 @@ m to 0.0106422 m, step 0.1 m)
         seed=seed, waviness=waviness, band=band, level=level, method=method,
     )[0]  # fmt: skip
     label = f"class {roughness}" if isinstance(roughness, str) else f"Gd = {roughness:g} m^3"
-    x = first + step * np.arange(elevation.size)
+    x = even_places(first, step, elevation.size)
     road = RoadProfile(x, elevation, name=f"ISO 8608 {label}")
     return road._measured_as(float(step))
 
@@ -144,7 +145,7 @@ def iso8608_elevations(
     """
     count = check.integer("n_roads", n_roads, at_least=1)
     dx = check.positive("step", step, unit="m")
-    n_steps = int(check.positive("length", length, unit="m") / dx + 1e-9)
+    n_steps = whole_pieces(check.positive("length", length, unit="m"), dx)
     if n_steps < 1:
         raise ValueError(f"length must be at least one step of {dx:g} m, got {length:g} m")
     check.choice("method", method, ("spectral", "filter"))

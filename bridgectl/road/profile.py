@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl._places import SAME_PLACE
+from bridgectl._places import SAME_PLACE, even_places, whole_pieces
 from bridgectl.road.elevations import Elevations
 from bridgectl.road.limits import require_gentle, require_increasing
 from bridgectl.road.sampling import measured_step
@@ -145,13 +145,13 @@ steps 0.1 to 21.9 m)
         array([0.    , 0.0025, 0.005 , 0.0075, 0.01  ])
         """
         first, last = self._stretch(start, stop)
-        pieces = int(np.floor((last - first) / check.positive("step", step, unit="m") + 1e-9))
+        pieces = whole_pieces(last - first, check.positive("step", step, unit="m"))
         if pieces < 1:
             raise ValueError(
                 f"step = {step:.10g} m is longer than the road from start to stop "
                 f"({last - first:.10g} m): type a smaller step"
             )
-        stations = first + step * np.arange(pieces + 1, dtype=np.float64)
+        stations = even_places(first, step, pieces + 1)
         measured = self.measured_step and max(self.measured_step, float(step))
         return self._trusted(stations, self._interpolated(stations), self._name, measured)
 

@@ -20,6 +20,7 @@ from scipy.special import digamma
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import whole_pieces
 from bridgectl._warn import warn
 from bridgectl.road.limits import even_step
 from bridgectl.road.sampling import coarse, too_coarse
@@ -300,7 +301,7 @@ def elevation_psd(
     slopes = np.diff(heights) / step
     n_slopes = slopes.shape[-1]
     length = SEGMENT if segment is None else check.positive("segment", segment, unit="m")
-    size = min(int(length / step + 1e-9), n_slopes)
+    size = min(whole_pieces(length, step), n_slopes)
     if size < 8:
         raise ValueError(f"segment must hold 8 steps of {step:g} m or more, got {size}")
     n, slope_psd = welch(slopes, 1 / step, window=window, nperseg=size, detrend="constant")

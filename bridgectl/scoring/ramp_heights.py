@@ -19,6 +19,7 @@ from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.simulate import ramp_surface
 from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH
+from bridgectl.surface.ramps import one_ramp
 
 N_RISING = 40
 """Heights above 0, and as many below, but for those of the unit ramp."""
@@ -155,7 +156,7 @@ def ramp_heights(
     rising = np.linspace(0, max(reach, both.ramp_height), N_RISING + 1)
     rising = np.union1d(rising, both.ramp_height)
     heights = np.concatenate([-rising[:0:-1], rising])
-    roads = -heights[:, np.newaxis] * (np.arange(len(both.stations)) > ramp)
+    roads = one_ramp(both.stations, ramp, heights)
     kept = np.unique([0, ramp, ramp + 1, len(both.stations) - 1])
     found = simulate_loop(beam, vehicle, device, velocity, both.stations[kept], roads[:, kept])
     return RampHeights(

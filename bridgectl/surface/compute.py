@@ -10,6 +10,7 @@ import numpy as np
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._places import even_places
 from bridgectl._progress import track
 from bridgectl._warn import warn
 from bridgectl.linear.cells import bridge_entry, sample_positions
@@ -21,6 +22,7 @@ from bridgectl.model.crossing import Crossing
 from bridgectl.road import RoadProfile, ramp_covariance
 from bridgectl.road.psd import CLASSES
 from bridgectl.surface.histories import DenseHistories, Histories, factor_histories
+from bridgectl.surface.ramps import ends_of_ramps, one_ramp
 from bridgectl.surface.surface import RampSurface
 from bridgectl.surface.tire_contact import TireContact
 
@@ -59,13 +61,12 @@ class RampGrid:
     @property
     def positions(self) -> FloatArray:
         """Start of each ramp [m]."""
-        return -self.approach + self.length * np.arange(self.n_ramps)
+        return even_places(-self.approach, self.length, self.n_ramps)
 
     @cached_property
     def edges(self) -> FloatArray:
         """Ends of the ramps [m]."""
-        x = self.positions
-        return np.append(x, x[-1] + self.length)
+        return ends_of_ramps(self.positions, self.length)
 
     @property
     def heights(self) -> FloatArray:
@@ -128,7 +129,7 @@ def _fly(run: Run, speeds: FloatArray, grid: RampGrid, ramps: FloatArray, progre
     for k, place in track(cases, "Simulating ramps that lift tires", len(cases), show=progress):
         ramp = place * grid.every
         where = doubtful[k, :, ramp]
-        road = RoadProfile(grid.edges, -grid.heights[k] * (np.arange(grid.n_ramps + 1) > ramp))
+        road = RoadProfile(grid.edges, one_ramp(grid.edges, ramp, grid.heights[k]))
         with warnings.catch_warnings(record=True) as told:
             warnings.simplefilter("always", LiftOffWarning)
             found = linear_dafs(run._replace(profile=road), speeds[where], progress=False)
@@ -184,7 +185,7 @@ def _simulate_ramps(
     cases = [(i, ramp) for i in range(len(speeds)) for ramp in range(n_ramps + 1)]
     for i, ramp in track(cases, "Simulating ramps", len(cases), show=progress):
         # After the last edge there is no ramp: the smooth road.
-        road = RoadProfile(edges, -height * (np.arange(n_ramps + 1) > ramp))
+        road = RoadProfile(edges, one_ramp(edges, ramp, height))
         at_speed = replace(run.crossing, speed=float(speeds[i]))
         moments[i, ramp] = reference_effect(
             run._replace(crossing=at_speed, profile=road), positions

@@ -28,6 +28,16 @@ ROADS_AT_ONCE = 250
 """Roads whose histories are superposed together."""
 
 
+def ends_of_ramps(starts: FloatArray, length: float) -> FloatArray:
+    """Return where the ramps begin, and where the last one ends [m]."""
+    return np.append(starts, starts[-1] + length)
+
+
+def one_ramp(ends: FloatArray, ramp: int, drop: float | FloatArray) -> FloatArray:
+    """Elevations [m] of roads, at the ends of the ramps, that are level but for a drop over one."""
+    return np.multiply.outer(-np.asarray(drop), np.arange(len(ends)) > ramp)
+
+
 @dataclass(frozen=True, eq=False)
 class UnitRamps:
     """What crosses what over which ramps: see `bridgectl.RampSurface`, which is one."""
@@ -46,7 +56,7 @@ class UnitRamps:
     @property
     def stations(self) -> FloatArray:
         """Ends of the ramps [m]: where roads given as arrays have their elevations."""
-        return np.append(self.positions, self.positions[-1] + self.ramp_length)
+        return ends_of_ramps(self.positions, self.ramp_length)
 
     def ramps(self, roads: Roads) -> FloatArray:
         """Ramp scale factors s(i) of a road or of many, Eq. (14): positive for a drop.
@@ -121,8 +131,7 @@ class UnitRamps:
             If there is not one drop for each ramp, or a ramp is steeper than 1 m/m.
         """
         falls = _checks.array("drops", drops, (len(self.positions),), unit="m")
-        x = np.append(self.positions, self.positions[-1] + self.ramp_length)
-        road = RoadProfile(x, -np.append(0.0, np.cumsum(falls)), name=name)
+        road = RoadProfile(self.stations, -np.append(0.0, np.cumsum(falls)), name=name)
         # Its ramps are meant to be straight, whatever their length.
         return road._measured_as(min(self.ramp_length, COARSE))
 

@@ -31,6 +31,7 @@ from bridgectl.dampers.loop.steps import (
 from bridgectl.dampers.strategy import SIGNALS
 from bridgectl.measures.history import half_of_range
 from bridgectl.model.crossing import Crossing
+from bridgectl.road.elevations import drops_of
 
 BYTES = 32e6
 """Memory that the matrices of the steps made at once may take."""
@@ -60,8 +61,7 @@ class Loop:
     ) -> None:
         self.crossing, self.damper, self.speeds = crossing, damper, speeds
         self.recorded = recorded
-        # Positive down, one row a station.
-        self.drops = np.ascontiguousarray((elevations[:, :1] - elevations).T)
+        self.drops = drops_of(elevations)
         longest = longest_step(crossing, damper.strategy.c_max, crossing.beam.n_modes)
         longest = min(longest, damper.sample_time)
         responses = Responses(crossing, longest)
