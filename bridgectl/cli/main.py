@@ -129,18 +129,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        Arguments after the program's name. Default: those of the process.
-
-    Returns
-    -------
-    int
-        Exit status: 0, or 2 for a mistake in what was asked, told in one line.
-    """
+    """Run a command, of this process by default; 2 after a mistake, which is told in one line."""
     try:
         with warnings.catch_warnings(), redirect_stdout(_Output()):
             warnings.simplefilter("always", UserWarning)

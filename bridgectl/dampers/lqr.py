@@ -147,15 +147,7 @@ def regulator(
     tire_deflection: float | None = None,
     damper_force: float = 0.0,
 ) -> Regulator:
-    """Return the linear-quadratic problem of `clipped_lqr`, for the same arguments.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.dampers.lqr import regulator
-    >>> (regulator(bc.li2006.car()).feedback() / 1e3).round(1)
-    array([  12.3,  -35.9,  103.7,   14.9])
-    """
+    """Return the linear-quadratic problem of `clipped_lqr`, for the same arguments."""
     q1 = check.not_negative("body_acceleration", body_acceleration)
     rho = check.not_negative("damper_force", damper_force, unit="m^2/(s^4 N^2)")
     if q1 == rho == 0:
@@ -196,13 +188,6 @@ def equal_weights(vehicle: QuarterCar) -> tuple[float, float]:
     """Return q_2 and q_3 [1/s^4] that make d and e count as much as y_s''.
 
     They are ratios of variances of the passive vehicle, in which speed and roughness cancel.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.dampers.lqr import equal_weights
-    >>> [round(weight) for weight in equal_weights(bc.li2006.car())]
-    [566, 5259]
     """
     middle = np.sqrt(comfort_damping(vehicle) * road_damping(vehicle))
     found = variances(vehicle, "A", 25.0, middle)

@@ -39,22 +39,10 @@ def label_points(
     colors: Sequence[str],
     size: float = 8.0,
 ) -> None:
-    """Write a label beside each point.
+    """Write a label, in letters of a size [points], beside each point (n, 2) in data coordinates.
 
+    None may cover an obstacle (m, 2), and they should keep off the curve through corners (k, 2).
     The axes must have their limits and their place in the figure: no layout may move them later.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Where the points are.
-    points : ndarray, shape (n, 2)
-        What is labelled, in data coordinates.
-    texts, colors : sequence of str
-        The labels and their colours.
-    obstacles, curve : ndarray, shapes (m, 2) and (k, 2)
-        Points that no label may cover, and corners of a curve that labels should keep off.
-    size : float, optional
-        Of the letters [points].
     """
     scale = 72.0 / ax.figure.dpi
     at, points_at = (ax.transData.transform(p) * scale for p in (points, obstacles))
