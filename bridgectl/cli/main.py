@@ -18,6 +18,7 @@ from bridgectl._work import memory_advice
 from bridgectl.cli.options import (
     add_bridge_options,
     add_file_options,
+    add_option,
     add_output_options,
     add_place_options,
     add_validation_options,
@@ -27,6 +28,7 @@ from bridgectl.cli.options import (
     check_plot,
     check_ramps,
     check_work,
+    deliver,
     file_arguments,
     make_beam,
     make_vehicle,
@@ -35,8 +37,6 @@ from bridgectl.cli.options import (
     place_road,
     refuse_file_options,
     resumed,
-    save_figure,
-    tell_drawn,
     working,
 )
 from bridgectl.cli.score import SCORE_HELP, add_score_options, run_score
@@ -230,16 +230,18 @@ def _parser() -> _Parser:
     brief = "IRI, spectrum and ISO class of a road file"
     profile = command("profile", _run_profile, brief, PROFILE_HELP)
     add_file_options(profile)
-    profile.add_argument(
-        "--segment", type=as_number, default=SEGMENT, metavar="M",
-        help=f"length over which IRIs are taken [m] (default {SEGMENT:g})",
-    )  # fmt: skip
+    text = f"length over which IRIs are taken [m] (default {SEGMENT:g})"
+    add_option(profile, "--segment", "M", text, as_number, SEGMENT)
     command("paper", _run_paper, "the paper's numbers", PAPER_HELP)
     validate = command("validate", _run_validate, "DAE against DAF on good roads", VALIDATE_HELP)
     add_validation_options(validate)
     for made in commands.choices.values():
         add_output_options(made)
     return parser
+
+
+def _json(results: dict[str, Any]) -> str:
+    return json.dumps(results, indent=1)
 
 
 def _run_dae(args: argparse.Namespace) -> None:
@@ -262,16 +264,11 @@ def _run_dae(args: argparse.Namespace) -> None:
         warnings.simplefilter("ignore", bc.LiftOffWarning)
         superposed = surface.superposed_daf(road)
     study = DaeStudy(surface, vehicle, road, station, surface.dae(road), superposed, simulated)
-    if args.plot is not None:
-        from bridgectl.plots import dae_figure
-
-        figure = dae_figure(surface, road, superposed=superposed, simulated=simulated)
-        save_figure(figure, args.plot)
-    if args.json:
-        print(json.dumps(dae_json(study), indent=1))
-    else:
-        print_dae(study)
-        tell_drawn(args.plot)
+    computed = {"superposed": superposed, "simulated": simulated}
+    deliver(
+        args, lambda: bc.plots.dae_figure(surface, road, **computed),
+        lambda: _json(dae_json(study)), lambda: print_dae(study),
+    )  # fmt: skip
 
 
 def _road(args: argparse.Namespace, span: float) -> tuple[bc.RoadProfile, float]:
@@ -296,16 +293,11 @@ def _run_profile(args: argparse.Namespace) -> None:
     else:
         roads = bc.read_tracks(args.file, **file_arguments(args))
     tracks = [measure_track(road, args.segment) for road in roads]
-    if args.plot is not None:
-        from bridgectl.plots import profile_figure
-
-        figure = profile_figure([track.road for track in tracks], args.segment)
-        save_figure(figure, args.plot)
-    if args.json:
-        print(json.dumps(profile_json(tracks, args.segment), indent=1))
-    else:
-        print_profile(tracks, args.segment)
-        tell_drawn(args.plot)
+    deliver(
+        args, lambda: bc.plots.profile_figure([track.road for track in tracks], args.segment),
+        lambda: _json(profile_json(tracks, args.segment)),
+        lambda: print_profile(tracks, args.segment),
+    )  # fmt: skip
 
 
 def _run_paper(args: argparse.Namespace) -> None:
@@ -315,15 +307,10 @@ def _run_paper(args: argparse.Namespace) -> None:
     check_plot(args.plot)
     with working("computing the paper's surfaces"):
         results = paper_results()
-    if args.plot is not None:
-        from bridgectl.plots import paper_figure
-
-        save_figure(paper_figure(results), args.plot)
-    if args.json:
-        print(json.dumps(paper_json(results), indent=1))
-    else:
-        print_paper(results)
-        tell_drawn(args.plot)
+    deliver(
+        args, lambda: bc.plots.paper_figure(results),
+        lambda: _json(paper_json(results)), lambda: print_paper(results),
+    )  # fmt: skip
 
 
 def _run_validate(args: argparse.Namespace) -> None:
@@ -347,16 +334,10 @@ def _run_validate(args: argparse.Namespace) -> None:
     with working("making the roads"):
         roads = good_roads()
     results = validate(speeds, spans, roads=roads)
-    if args.plot is not None:
-        from bridgectl.plots import validation_figure
-
-        with working("drawing"):
-            save_figure(validation_figure(results), args.plot)
-    if args.json:
-        print(json.dumps(validation_json(results), indent=1))
-    else:
-        print_validation(results)
-        tell_drawn(args.plot)
+    deliver(
+        args, lambda: bc.plots.validation_figure(results),
+        lambda: _json(validation_json(results)), lambda: print_validation(results),
+    )  # fmt: skip
 
 
 def _run_validate_dampers(args: argparse.Namespace) -> None:
@@ -370,12 +351,7 @@ def _run_validate_dampers(args: argparse.Namespace) -> None:
     pairs = check.integer("--pairs", N_PAIRS if args.pairs is None else args.pairs, at_least=2)
     with resumed(args.resume):
         cases = validate_dampers(speeds, spans, pairs, resume=args.resume, workers=args.workers)
-    if args.plot is not None:
-        from bridgectl.plots import damper_validation_figure
-
-        save_figure(damper_validation_figure(cases), args.plot)
-    if args.json:
-        print(json.dumps(damper_validation_json(cases), indent=1))
-    else:
-        print_damper_validation(cases)
-        tell_drawn(args.plot)
+    deliver(
+        args, lambda: bc.plots.damper_validation_figure(cases),
+        lambda: _json(damper_validation_json(cases)), lambda: print_damper_validation(cases),
+    )  # fmt: skip

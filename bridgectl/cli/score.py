@@ -16,6 +16,7 @@ from bridgectl._work import Work, at_most, require_feasible
 from bridgectl.cli.options import (
     add_bridge_options,
     add_file_options,
+    add_option,
     add_place_options,
     add_vehicle_options,
     add_work_options,
@@ -24,6 +25,7 @@ from bridgectl.cli.options import (
     check_plot,
     check_ramps,
     check_work,
+    deliver,
     file_arguments,
     make_beam,
     make_vehicle,
@@ -31,9 +33,6 @@ from bridgectl.cli.options import (
     place_road,
     refuse_file_options,
     resumed,
-    save_figure,
-    tell_drawn,
-    working,
 )
 from bridgectl.surface.compute import RAMP_LENGTH
 
@@ -86,14 +85,10 @@ def add_score_options(parser: argparse.ArgumentParser) -> None:
     """Add every option but those of the output."""
     add_file_options(parser, many=True)
     add_place_options(parser, approach=60.0, speeds="60:120:10")
-    parser.add_argument(
-        "--departure", type=as_number, default=0.0, metavar="M",
-        help="road after the bridge that is driven, for ride and tire force [m] (default 0)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--random", type=as_whole, default=6, metavar="N",
-        help="random roads of ISO 8608 class A, and as many of class B (default 6)",
-    )  # fmt: skip
+    add_option(parser, "--departure", "M", "road after the bridge that is driven, for ride and "
+               "tire force [m] (default 0)", as_number, 0.0)  # fmt: skip
+    add_option(parser, "--random", "N", "random roads of ISO 8608 class A, and as many of class B "
+               "(default 6)", as_whole, 6)  # fmt: skip
     _add_damper_options(parser)
     add_bridge_options(parser)
     add_vehicle_options(parser)
@@ -104,11 +99,9 @@ def _add_damper_options(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group(
         "semi-active damper", "Force limit, lag and noise leave constant dampers as they are."
     )
-    group.add_argument(
-        "--strategies", metavar="NAME,NAME",
-        help="those of the library to score beside the vehicle's own damper; 'constant' for the "
-        "constant dampers (default all)",
-    )  # fmt: skip
+    add_option(group, "--strategies", "NAME,NAME", "those of the library to score beside the "
+               "vehicle's own damper; 'constant' for the constant dampers (default "
+               "all)")  # fmt: skip
     for option, default, text in (
         ("--c-min", 1e3, "least damping [N s/m] (default 1000)"),
         ("--c-max", 30e3, "largest damping [N s/m] (default 30000)"),
@@ -117,10 +110,8 @@ def _add_damper_options(parser: argparse.ArgumentParser) -> None:
         ("--max-force", np.inf, "largest damper force [N] (default none)"),
         ("--velocity-noise", 0.0, "noise on measured velocities, rms [m/s] (default 0)"),
     ):
-        group.add_argument(option, type=as_number, default=default, metavar="X", help=text)
-    group.add_argument(
-        "--seed", type=as_whole, default=0, metavar="N", help="of the noise (default 0)"
-    )
+        add_option(group, option, "X", text, as_number, default)
+    add_option(group, "--seed", "N", "of the noise (default 0)", as_whole, 0)
 
 
 def run_score(args: argparse.Namespace) -> None:
@@ -137,16 +128,9 @@ def run_score(args: argparse.Namespace) -> None:
             departure=args.departure, section=args.section, recovery=args.recovery,
             resume=args.resume, workers=args.workers,
         )  # fmt: skip
-    if args.plot is not None:
-        with working("drawing"):
-            save_figure(board.plot(), args.plot)
-    if args.json:
-        print(board.to_json())
-        return
     from bridgectl.scoring.text import print_score
 
-    print_score(board)
-    tell_drawn(args.plot)
+    deliver(args, board.plot, board.to_json, lambda: print_score(board))
 
 
 def _dampers(args: argparse.Namespace, beam: bc.Beam, vehicle: bc.QuarterCar) -> list[Damper]:
