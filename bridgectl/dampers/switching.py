@@ -5,12 +5,11 @@ And what their docstrings have in common, which `documented` fills in.
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 import casadi as ca
 
+from bridgectl._docs import filled
 from bridgectl.dampers.strategy import Law, Strategy
 
 Gains = dict[str, tuple[float, float, float]]
@@ -20,21 +19,21 @@ DEAD_BAND = 1e-4
 """Suspension velocity [m/s] below which on-off laws stay soft: 3 N at 30 kN s/m."""
 
 
-_TEXTS = {
-    "{on_off}": """\
+documented = filled(
+    on_off="""\
 Parameters
 ----------
 {bounds}
 {dead_band}
 
 {strategy}""",
-    "{bounds}": """\
+    bounds="""\
 c_min, c_max : float
     Bounds of the damping [N s/m].""",
-    "{dead_band}": """\
+    dead_band="""\
 dead_band : float, optional
     Suspension velocity [m/s] below which the command is c_min.""",
-    "{strategy}": """\
+    strategy="""\
 Returns
 -------
 Strategy
@@ -43,19 +42,8 @@ Raises
 ------
 TypeError, ValueError
     If an argument is not what is described above.""",
-}
-"""What stands for what in the docstring of a law."""
-
-F = TypeVar("F", bound=Callable[..., Strategy])
-
-
-def documented(law: F) -> F:
-    """Fill in {bounds}, {dead_band}, {strategy}, or all of it, {on_off}, in a law's docstring."""
-    text = inspect.cleandoc(law.__doc__ or "")
-    for mark, meaning in _TEXTS.items():
-        text = text.replace(mark, meaning)
-    law.__doc__ = text
-    return law
+)
+"""Fills in what the docstrings of laws have in common; {on_off} has all of it."""
 
 
 def on_off(

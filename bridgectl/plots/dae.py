@@ -53,9 +53,7 @@ def dae_figure(
         Simulated DAF at the same speeds; not drawn if omitted. Its maximum, or else that of
         the superposed DAF, is at the critical speed, whose contributions are shown.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
+    {figure}
 
     Raises
     ------

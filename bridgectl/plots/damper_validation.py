@@ -23,9 +23,7 @@ def damper_validation_figure(cases: Sequence[DamperCaseShown]) -> Figure:
     cases : sequence of DamperCase
         See `bridgectl.paper.damper_validation.validate_dampers`.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
+    {figure}
 
     Examples
     --------

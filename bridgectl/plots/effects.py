@@ -32,9 +32,7 @@ def effects_figure(
         A road, whose terms o s and e s^2 of the DAE of order 2 are drawn, summed up along it, in
         place of those of the unit ramp: see `RampSurface.dae`.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
+    {figure}
 
     Raises
     ------

@@ -18,9 +18,7 @@ def paper_figure(results: PaperShown) -> Figure:
     results : PaperResults
         See `bridgectl.paper.printed.paper_results`.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
+    {figure}
 
     References
     ----------

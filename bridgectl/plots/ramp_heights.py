@@ -30,9 +30,7 @@ def ramp_height_figure(found: Sequence[RampHeightsShown]) -> Figure:
     found : sequence of RampHeights
         Of each damper, at one place and speed: see `bridgectl.ramp_heights`.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
+    {figure}
 
     Raises
     ------

@@ -36,9 +36,7 @@ def profile_figure(roads: Sequence[RoadShown], segment: float = 100.0) -> Figure
     segment : float, optional
         Length of the segments [m].
 
-    Returns
-    -------
-    matplotlib.figure.Figure
+    {figure}
 
     Raises
     ------
@@ -88,12 +86,7 @@ def psd_plot(psd: PsdShown, ax: Axes | None = None) -> Axes:
     ----------
     psd : RoadPsd
         See `RoadProfile.psd`.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure if omitted.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    {ax}
 
     References
     ----------
@@ -128,9 +121,7 @@ def pair_figure(
     smooth : array_like, optional
         DAF of a smooth road, shape (n_speeds,).
 
-    Returns
-    -------
-    matplotlib.figure.Figure
+    {figure}
 
     References
     ----------

@@ -52,9 +52,7 @@ def score_figure(board: BoardShown) -> Figure:
     board : Scoreboard
         See `bridgectl.score`.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
+    {figure}
 
     References
     ----------

@@ -31,12 +31,7 @@ def smooth_daf_plot(surface: SurfaceShown, ax: Axes | None = None) -> Axes:
     ----------
     surface : RampSurface
         The ramp surface of bridge and vehicle.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure if omitted.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    {ax}
 
     References
     ----------
@@ -69,12 +64,7 @@ def surface_plot(
     difference : bool, optional
         Draw what the ramp changes, DAF_unit - DAF_smooth (Figs. 5(b) and 6(b)), in place of
         DAF_unit itself (Figs. 5(a) and 6(a)).
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure if omitted.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    {ax}
 
     Raises
     ------
@@ -135,12 +125,7 @@ def lines_plot(
         Speeds [m/s], of which the surface's nearest are drawn; five across its range if omitted.
     difference : bool, optional
         Draw what the ramp changes, DAF_unit - DAF_smooth, in place of DAF_unit itself.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure if omitted.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    {ax}
 
     Examples
     --------

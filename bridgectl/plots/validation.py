@@ -41,9 +41,7 @@ def validation_figure(results: ValidationShown) -> Figure:
     results : ValidationResults
         See `bridgectl.paper.validation.validate`.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
+    {figure}
 
     References
     ----------
