@@ -192,14 +192,9 @@ def make_vehicle(args: argparse.Namespace) -> bc.QuarterCar:
 
 
 def place_road(
-    args: argparse.Namespace,
-    whole: bc.RoadProfile,
-    what: str,
-    span: float,
-    *,
-    station: float | None = None,
-    departure: float = 0.0,
-) -> tuple[bc.RoadProfile, float]:
+    args: argparse.Namespace, whole: bc.RoadProfile, what: str, span: float, *,
+    station: float | None = None, departure: float = 0.0,
+) -> tuple[bc.RoadProfile, float]:  # fmt: skip
     """Return the road under approach, bridge and departure, in ramps, and the bridge's station.
 
     `what` names the road in errors; `station` [m] is that of the bridge if --station is not given.

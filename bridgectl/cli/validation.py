@@ -7,12 +7,7 @@ from typing import Any
 from bridgectl._tables import make_console, make_table
 from bridgectl._units import to_kmh
 from bridgectl._version import __version__
-from bridgectl.paper.validation import (
-    PEAK_TOLERANCE,
-    SUPERPOSED_TOLERANCE,
-    Case,
-    ValidationResults,
-)
+from bridgectl.paper.validation import PEAK_TOLERANCE, SUPERPOSED_TOLERANCE, Case, ValidationResults
 from bridgectl.road.iri import GOOD
 
 NOTE = """\

@@ -16,11 +16,7 @@ from bridgectl.dampers.laws import (
 from bridgectl.dampers.lqr import clipped_lqr
 from bridgectl.dampers.preset import preset
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.dampers.tire_laws import (
-    extended_groundhook,
-    selective_groundhook,
-    tire_groundhook,
-)
+from bridgectl.dampers.tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 

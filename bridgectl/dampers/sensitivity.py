@@ -76,17 +76,9 @@ class Sensitivity(NamedTuple):
 
 @on_one_thread
 def program_sensitivity(
-    beam: BridgeModel,
-    vehicle: QuarterCar,
-    speed: float,
-    positions: ArrayLike,
-    dampings: ArrayLike,
-    stations: ArrayLike,
-    elevations: ArrayLike,
-    *,
-    section: float = 0.5,
-    recovery: str = "exact",
-) -> Sensitivity:
+    beam: BridgeModel, vehicle: QuarterCar, speed: float, positions: ArrayLike, dampings: ArrayLike,
+    stations: ArrayLike, elevations: ArrayLike, *, section: float = 0.5, recovery: str = "exact",
+) -> Sensitivity:  # fmt: skip
     """Return the DAF of roads with a damping program, and its gradient.
 
     The damper is one of the default kind: see `Damper`.

@@ -33,12 +33,9 @@ MARKED = 10
 
 @styled
 def dae_figure(
-    surface: SurfaceShown,
-    road: RoadShown,
-    *,
-    superposed: ArrayLike | None = None,
+    surface: SurfaceShown, road: RoadShown, *, superposed: ArrayLike | None = None,
     simulated: ArrayLike | None = None,
-) -> Figure:
+) -> Figure:  # fmt: skip
     """Draw what a road does to a bridge: DAF and DAE over speed, the road, and its ramps.
 
     Parameters
@@ -97,13 +94,9 @@ def dae_figure(
 
 
 def _draw_speeds(
-    ax: Axes,
-    surface: SurfaceShown,
-    road: RoadShown,
-    superposed: FloatArray,
-    simulated: ArrayLike | None,
-    critical: int,
-) -> None:
+    ax: Axes, surface: SurfaceShown, road: RoadShown, superposed: FloatArray,
+    simulated: ArrayLike | None, critical: int,
+) -> None:  # fmt: skip
     def curve(values: ArrayLike, label: str, color: str, style: str, width: float) -> None:
         x, y = curve_of(surface, values)
         ax.plot(x, y, style, color=color, lw=width, label=label, ms=width + 2, **dots_of(surface))

@@ -30,15 +30,9 @@ OVERLAP, OUTSIDE, ON_POINT, ON_LINE, CROSSED = 1e3, 1e4, 1e3, 20.0, 150.0
 
 
 def label_points(
-    ax: Axes,
-    points: FloatArray,
-    texts: Sequence[str],
-    *,
-    obstacles: FloatArray,
-    curve: FloatArray,
-    colors: Sequence[str],
-    size: float = 8.0,
-) -> None:
+    ax: Axes, points: FloatArray, texts: Sequence[str], *, obstacles: FloatArray, curve: FloatArray,
+    colors: Sequence[str], size: float = 8.0,
+) -> None:  # fmt: skip
     """Write a label, in letters of a size [points], beside each point (n, 2) in data coordinates.
 
     None may cover an obstacle (m, 2), and they should keep off the curve through corners (k, 2).
@@ -99,16 +93,10 @@ def _place(
 
 
 def _cost(
-    point: FloatArray,
-    choices: FloatArray,
-    size: FloatArray,
-    centres: FloatArray,
-    sizes: FloatArray,
-    points: FloatArray,
-    obstacles: FloatArray,
-    curve: FloatArray,
+    point: FloatArray, choices: FloatArray, size: FloatArray, centres: FloatArray,
+    sizes: FloatArray, points: FloatArray, obstacles: FloatArray, curve: FloatArray,
     frame: FloatArray,
-) -> FloatArray:
+) -> FloatArray:  # fmt: skip
     """What each choice of one label covers, crosses, or leaves."""
     half = size / 2 + GAP
     outside = (np.abs(choices - frame.mean(axis=0)) + half > np.ptp(frame, axis=0) / 2).any(axis=1)

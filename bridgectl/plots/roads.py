@@ -162,9 +162,7 @@ def pair_figure(
         xlabel=STATION_LABEL, ylabel="elevation, up [mm]", title="two roads of equal roughness"
     )
     panels["spectra"].set(
-        xlabel="wave number [cycles/m]",
-        ylabel="$G_d$ [m³]",
-        title="with one periodogram",
+        xlabel="wave number [cycles/m]", ylabel="$G_d$ [m³]", title="with one periodogram"
     )
     panels["spectra"].set_ylim(_range([psd.density[psd.wavenumber <= psd.band[1]]]))
     for panel in panels.values():

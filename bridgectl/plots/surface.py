@@ -109,12 +109,9 @@ def surface_plot(
 
 @styled
 def lines_plot(
-    surface: SurfaceShown,
-    speeds: ArrayLike | None = None,
-    *,
-    difference: bool = False,
+    surface: SurfaceShown, speeds: ArrayLike | None = None, *, difference: bool = False,
     ax: Axes | None = None,
-) -> Axes:
+) -> Axes:  # fmt: skip
     """Draw the DAF of a ramp over its place, one line a speed: cuts through Figs. 5 and 6.
 
     Parameters

@@ -6,11 +6,7 @@ from bridgectl.road.files.read import read_profile, read_tracks, utia_road
 from bridgectl.road.files.write import write_profile
 from bridgectl.road.filtered import shaping_filter
 from bridgectl.road.footprint import tire_footprint
-from bridgectl.road.iso8608 import (
-    iso8608_elevations,
-    iso8608_profile,
-    ramp_covariance,
-)
+from bridgectl.road.iso8608 import iso8608_elevations, iso8608_profile, ramp_covariance
 from bridgectl.road.profile import RoadProfile
 from bridgectl.road.psd import PsdFit, RoadPsd, class_roughness
 from bridgectl.road.shapes import bump, plank, pothole, ramp, settlement, step

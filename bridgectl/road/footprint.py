@@ -100,5 +100,5 @@ def _warn_if_coarse(road: RoadProfile, smooth: RoadProfile, length: float) -> No
         warn(
             f"the road's stations are too far apart for a tire_footprint of {length:g} m: between "
             f"them the average differs from the result by up to {1e3 * missed:.3g} mm; pass "
-            f"road.resample({length / 5:.2g})",
+            f"road.resample({length / 5:.2g})"
         )

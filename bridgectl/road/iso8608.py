@@ -36,17 +36,10 @@ Seed = int | np.random.Generator | None
 
 
 def iso8608_profile(
-    roughness: str | float,
-    length: float,
-    step: float = 0.1,
-    *,
-    seed: Seed = None,
-    start: float = 0.0,
-    waviness: float = 2.0,
-    band: tuple[float, float] = DEFAULT_BAND,
-    level: str = "mean",
-    method: str = "spectral",
-) -> RoadProfile:
+    roughness: str | float, length: float, step: float = 0.1, *, seed: Seed = None,
+    start: float = 0.0, waviness: float = 2.0, band: tuple[float, float] = DEFAULT_BAND,
+    level: str = "mean", method: str = "spectral",
+) -> RoadProfile:  # fmt: skip
     """Make a random road of an ISO 8608 class, or of a given roughness.
 
     Parameters
@@ -107,17 +100,10 @@ m to 0.0106422 m, step 0.1 m)
 
 @on_one_thread
 def iso8608_elevations(
-    n_roads: int,
-    roughness: str | float,
-    length: float,
-    step: float = 0.1,
-    *,
-    seed: Seed = None,
-    waviness: float = 2.0,
-    band: tuple[float, float] = DEFAULT_BAND,
-    level: str = "mean",
+    n_roads: int, roughness: str | float, length: float, step: float = 0.1, *, seed: Seed = None,
+    waviness: float = 2.0, band: tuple[float, float] = DEFAULT_BAND, level: str = "mean",
     method: str = "spectral",
-) -> FloatArray:
+) -> FloatArray:  # fmt: skip
     """Make many random roads of an ISO 8608 class at once.
 
     Parameters
@@ -219,14 +205,9 @@ def _variances(
 
 
 def ramp_covariance(
-    roughness: str | float,
-    n_ramps: int,
-    length: float = 0.1,
-    *,
-    waviness: float = 2.0,
-    band: tuple[float, float] = DEFAULT_BAND,
-    level: str = "mean",
-) -> FloatArray:
+    roughness: str | float, n_ramps: int, length: float = 0.1, *, waviness: float = 2.0,
+    band: tuple[float, float] = DEFAULT_BAND, level: str = "mean",
+) -> FloatArray:  # fmt: skip
     """Covariance of the drops over the ramps of a random road, by the ramps between them.
 
     With the spectrum G(n) it is the integral of G(n) 4 sin^2(pi n length) cos(2 pi n k length):

@@ -315,13 +315,9 @@ def elevation_psd(
 
 
 def road_psd(
-    x: FloatArray,
-    elevation: FloatArray,
-    segment: float | None,
-    window: str,
-    name: str,
+    x: FloatArray, elevation: FloatArray, segment: float | None, window: str, name: str,
     measured_step: float,
-) -> RoadPsd:
+) -> RoadPsd:  # fmt: skip
     """Spectrum of one road; see `RoadProfile.psd`."""
     step = even_step(x, "PSD")
     n, density, averages = elevation_psd(elevation, step, segment, window)

@@ -141,13 +141,8 @@ def _delimiter(file: str, rows: Sequence[Line], preamble: Preamble, request: Req
 
 
 def _layout(
-    file: str,
-    rows: Sequence[Line],
-    delimiter: str,
-    wanted: Columns,
-    unit: str,
-    request: Request,
-) -> Layout:
+    file: str, rows: Sequence[Line], delimiter: str, wanted: Columns, unit: str, request: Request,
+) -> Layout:  # fmt: skip
     """Return how the numbers stand on the lines, as the first of them show."""
     width, stations = len(split(rows[0][1], delimiter)), 0 if wanted.station is None else 1
     missing = request.missing or UNTOLD
