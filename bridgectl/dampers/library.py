@@ -2,17 +2,8 @@
 
 from __future__ import annotations
 
+from bridgectl.dampers import laws
 from bridgectl.dampers.bridgehook import bridgehook
-from bridgectl.dampers.laws import (
-    add,
-    continuous_skyhook,
-    groundhook,
-    hybrid,
-    passive,
-    pdd,
-    sh_add,
-    skyhook,
-)
 from bridgectl.dampers.lqr import clipped_lqr
 from bridgectl.dampers.preset import preset
 from bridgectl.dampers.strategy import Strategy
@@ -73,18 +64,18 @@ def library(
             "vehicle must have a damping above 0 [N s/m], which strategies are compared with"
         )
     return [
-        passive(vehicle.damping),
+        laws.passive(vehicle.damping),
         preset(c_min, c_max),
-        skyhook(c_min, c_max),
-        continuous_skyhook(c_min, c_max),
-        groundhook(c_min, c_max),
+        laws.skyhook(c_min, c_max),
+        laws.continuous_skyhook(c_min, c_max),
+        laws.groundhook(c_min, c_max),
         tire_groundhook(c_min, c_max),
         extended_groundhook(c_min, c_max, vehicle=vehicle),
         selective_groundhook(c_min, c_max, vehicle=vehicle),
-        hybrid(c_min, c_max),
-        add(c_min, c_max),
-        sh_add(c_min, c_max),
-        pdd(c_min, c_max, stiffness=vehicle.suspension_stiffness),
+        laws.hybrid(c_min, c_max),
+        laws.add(c_min, c_max),
+        laws.sh_add(c_min, c_max),
+        laws.pdd(c_min, c_max, stiffness=vehicle.suspension_stiffness),
         clipped_lqr(vehicle, c_min, c_max),
         bridgehook(beam, vehicle, c_min, c_max, section=section),
     ]

@@ -217,8 +217,3 @@ def require_no_gap(file: str, x: FloatArray, line: Callable[[int], int]) -> None
         "the station, or cut the file here and read the part before or after the gap",
         line(i),
     )
-
-
-def even_stations(start: float, step: float, n: int) -> FloatArray:
-    """Return n stations [m], by the one formula that readers and writer share."""
-    return start + step * np.arange(n, dtype=np.float64)
