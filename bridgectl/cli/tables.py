@@ -223,13 +223,9 @@ def profile_json(tracks: Sequence[TrackMeasures], segment: float) -> dict[str, A
         "segment_m": segment,
         "tracks": [
             {
-                "name": track.road.name,
-                "from_m": float(track.road.x[0]),
-                "to_m": float(track.road.x[-1]),
-                "points": track.road.x.size,
-                "measured_step_m": track.step,
-                "iri_m_per_km": track.iri,
-                "good": track.good,
+                "name": track.road.name, "from_m": float(track.road.x[0]),
+                "to_m": float(track.road.x[-1]), "points": track.road.x.size,
+                "measured_step_m": track.step, "iri_m_per_km": track.iri, "good": track.good,
                 "segment_iri_m_per_km": track.segments.tolist(),
                 "iso_class": track.fit and track.fit.iso_class,
                 "roughness_m3": track.fit and track.fit.roughness,
@@ -237,7 +233,7 @@ def profile_json(tracks: Sequence[TrackMeasures], segment: float) -> dict[str, A
             }
             for track in tracks
         ],
-    }
+    }  # fmt: skip
 
 
 def paper_json(results: PaperResults) -> dict[str, Any]:

@@ -115,22 +115,15 @@ def validation_json(results: ValidationResults) -> dict[str, Any]:
 
 def _case_json(case: Case) -> dict[str, Any]:
     return {
-        "span_m": case.span,
-        "approach_m": case.approach,
-        "road": case.road,
-        "daf_smooth": case.smooth.tolist(),
-        "dae": case.dae.tolist(),
-        "daf_superposed": case.superposed.tolist(),
-        "daf_simulated": case.simulated.tolist(),
-        "peak_daf": case.daf_peak.value,
-        "peak_daf_speed_km_per_h": to_kmh(case.daf_peak.speed),
-        "peak_dae": case.dae_peak.value,
-        "peak_dae_speed_km_per_h": to_kmh(case.dae_peak.speed),
-        "peak_difference": case.peak_difference,
-        "dae_rms_error": case.rms_error,
+        "span_m": case.span, "approach_m": case.approach, "road": case.road,
+        "daf_smooth": case.smooth.tolist(), "dae": case.dae.tolist(),
+        "daf_superposed": case.superposed.tolist(), "daf_simulated": case.simulated.tolist(),
+        "peak_daf": case.daf_peak.value, "peak_daf_speed_km_per_h": to_kmh(case.daf_peak.speed),
+        "peak_dae": case.dae_peak.value, "peak_dae_speed_km_per_h": to_kmh(case.dae_peak.speed),
+        "peak_difference": case.peak_difference, "dae_rms_error": case.rms_error,
         "dae_largest_error": case.largest_error.value,
         "dae_largest_error_speed_km_per_h": to_kmh(case.largest_error.speed),
         "superposed_error": case.superposed_error,
         "lift_off_speeds_km_per_h": to_kmh(case.speeds[case.flying]).tolist(),
         "lift_off_x_m": case.lift_off,
-    }
+    }  # fmt: skip

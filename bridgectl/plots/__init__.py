@@ -16,17 +16,7 @@ from bridgectl.plots.surface import lines_plot, smooth_daf_plot, surface_plot
 from bridgectl.plots.validation import validation_figure
 
 __all__ = [
-    "dae_figure",
-    "damper_validation_figure",
-    "effects_figure",
-    "lines_plot",
-    "pair_figure",
-    "paper_figure",
-    "profile_figure",
-    "psd_plot",
-    "ramp_height_figure",
-    "score_figure",
-    "smooth_daf_plot",
-    "surface_plot",
-    "validation_figure",
-]
+    "dae_figure", "damper_validation_figure", "effects_figure", "lines_plot", "pair_figure",
+    "paper_figure", "profile_figure", "psd_plot", "ramp_height_figure", "score_figure",
+    "smooth_daf_plot", "surface_plot", "validation_figure",
+]  # fmt: skip

@@ -12,26 +12,8 @@ from bridgectl.road.psd import PsdFit, RoadPsd, class_roughness
 from bridgectl.road.shapes import bump, plank, pothole, ramp, settlement, step
 
 __all__ = [
-    "ProfileFileError",
-    "PsdFit",
-    "RoadEvent",
-    "RoadProfile",
-    "RoadPsd",
-    "add_events",
-    "bump",
-    "class_roughness",
-    "iso8608_elevations",
-    "iso8608_profile",
-    "plank",
-    "pothole",
-    "ramp",
-    "ramp_covariance",
-    "read_profile",
-    "read_tracks",
-    "settlement",
-    "shaping_filter",
-    "step",
-    "tire_footprint",
-    "utia_road",
-    "write_profile",
-]
+    "ProfileFileError", "PsdFit", "RoadEvent", "RoadProfile", "RoadPsd", "add_events", "bump",
+    "class_roughness", "iso8608_elevations", "iso8608_profile", "plank", "pothole", "ramp",
+    "ramp_covariance", "read_profile", "read_tracks", "settlement", "shaping_filter", "step",
+    "tire_footprint", "utia_road", "write_profile",
+]  # fmt: skip
