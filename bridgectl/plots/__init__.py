@@ -6,14 +6,17 @@ and `bridgectl.plots.shown` says what that must have: any result may draw itself
 """
 
 from bridgectl.plots.dae import dae_figure
-from bridgectl.plots.damper_validation import damper_validation_figure
-from bridgectl.plots.effects import effects_figure
-from bridgectl.plots.paper import paper_figure
 from bridgectl.plots.ramp_heights import ramp_height_figure
 from bridgectl.plots.roads import pair_figure, profile_figure, psd_plot
 from bridgectl.plots.scores import score_figure
-from bridgectl.plots.surface import lines_plot, smooth_daf_plot, surface_plot
-from bridgectl.plots.validation import validation_figure
+from bridgectl.plots.surface import (
+    effects_figure,
+    lines_plot,
+    paper_figure,
+    smooth_daf_plot,
+    surface_plot,
+)
+from bridgectl.plots.validation import damper_validation_figure, validation_figure
 
 __all__ = [
     "dae_figure", "damper_validation_figure", "effects_figure", "lines_plot", "pair_figure",
