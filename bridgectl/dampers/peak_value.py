@@ -46,7 +46,9 @@ from bridgectl.dampers.strategy import damping_bounds
 from bridgectl.linear.cells import SAMPLES, bridge_entry
 from bridgectl.linear.runs import Stretch, effect_samples
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.effects import Effect
+from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
 
 SHARPNESS = 10.0
@@ -99,6 +101,7 @@ def peak_value(
     c_max: float,
     *,
     section: float = 0.5,
+    effect: Effect | str = "moment",
     reach: float = REACH,
     sharpness: float = SHARPNESS,
     yield_speed: float = YIELD_SPEED,
@@ -107,8 +110,8 @@ def peak_value(
 
     Parameters
     ----------
-    beam, vehicle, section
-        See `bridgectl.Crossing`.
+    beam, vehicle, section, effect
+        See `bridgectl.daf`.
     speed : float
         Speed c [m/s].
     c_min, c_max : float
@@ -139,13 +142,14 @@ def peak_value(
     beta = check.positive("sharpness", sharpness)
     curvature = (stiff - soft) / 2 / check.positive("yield_speed", yield_speed, unit="m/s")
     car = replace(bare_vehicle(vehicle), damping=(soft + stiff) / 2)
-    crossing = Crossing(beam, car, speed, section)
-    judge_crossing(crossing, crossing.speed)
-    nodes, bridge, steps = smooth_crossing(crossing, check.not_negative("reach", reach, unit="m"))
+    crossing, c = make_crossing(beam, car, effect, section), Motion(speed).speed
+    judge_crossing(crossing, c)
+    before = check.not_negative("reach", reach, unit="m")
+    nodes, bridge, steps = smooth_crossing(crossing, c, before)
     entry = bridge_entry(nodes)
-    to_states = _expected(crossing, steps[entry:], nodes[entry:])
+    to_states = _expected(crossing, steps[entry:], np.diff(nodes[entry:]) / c)
     sweep = _Backward(crossing, bridge, beta, curvature)
-    durations = np.gradient(nodes) / crossing.speed
+    durations = np.gradient(nodes) / c
     constant, gains = np.zeros(len(nodes)), np.zeros((len(nodes), 2))
     for k in range(len(nodes) - 1, -1, -1):
         sweep.step_back(steps[k] if k < len(steps) else None, k - entry, durations[k])
@@ -202,7 +206,7 @@ class _Backward:
         return self.ahead @ self.force[: self.ahead.shape[1]]
 
 
-def _expected(crossing: Crossing, steps: Sequence[FloatArray], nodes: FloatArray) -> FloatArray:
+def _expected(crossing: Crossing, steps: Sequence[FloatArray], durations: FloatArray) -> FloatArray:
     """E[dz | m] per measured velocity, at the nodes on the bridge, (C + 1, n, 2)."""
     vehicle, n = crossing.linear, crossing.n_vehicle
     slope = np.zeros(crossing.n_states)
@@ -211,10 +215,10 @@ def _expected(crossing: Crossing, steps: Sequence[FloatArray], nodes: FloatArray
     covariance = np.zeros_like(noise)
     covariance[:n, :n] = solve_continuous_lyapunov(vehicle.state_matrix_on_tires(), -noise[:n, :n])
     gains = []
-    for k in range(len(nodes)):
+    for k in range(len(steps) + 1):
         known = covariance[:, MEASURED]
         gains.append(known @ np.linalg.inv(known[MEASURED]))
         if k < len(steps):
-            half = noise * (nodes[k + 1] - nodes[k]) / crossing.speed / 2
+            half = noise * durations[k] / 2
             covariance = steps[k] @ (covariance + half) @ steps[k].T + half
     return np.array(gains)

@@ -51,7 +51,7 @@ def smooth_daf_plot(surface: SurfaceShown, ax: Axes | None = None) -> Axes:
     """
     ax = new_axes(ax)
     ax.plot(*curve_of(surface, surface.daf_smooth), color=BLACK, **dots_of(surface))
-    ax.set(xlabel=SPEED_LABEL, ylabel="DAF, smooth road [-]")
+    ax.set(xlabel=SPEED_LABEL, ylabel="{}, smooth road [{}]".format(*surface.quantity))
     return ax
 
 
@@ -106,11 +106,11 @@ def surface_plot(
         ticks = middles[middles.size // 2 % 2 :: 2]  # every other one, with 0 among them
         ax.set_title(f"what {ramp} changes")
     else:
-        ax.set_title(f"DAF with {ramp}")
+        ax.set_title(f"{surface.quantity[0]} with {ramp}")
     places, kmh = surface.positions / surface.beam.length, surface.speeds * 3.6
     filled = ax.contourf(places, kmh, values, **look)
     ax.contour(filled, colors=BLACK, linewidths=0.25, alpha=0.5)
-    label = "change of the DAF [-]" if difference else "DAF [-]"
+    label = _label(surface, difference)
     ax.figure.colorbar(filled, ax=ax, label=label, ticks=ticks, pad=0.02)
     ax.set(xlabel=PLACE_LABEL, ylabel=SPEED_LABEL)
     return ax
@@ -151,7 +151,7 @@ def lines_plot(
     """
     ax = new_axes(ax)
     draw_lines(ax, surface, surface.daf_difference if difference else surface.daf_unit, speeds)
-    ax.set(xlabel=PLACE_LABEL, ylabel="change of the DAF [-]" if difference else "DAF [-]")
+    ax.set(xlabel=PLACE_LABEL, ylabel=_label(surface, difference))
     ax.legend()
     return ax
 
@@ -177,3 +177,9 @@ def curve_of(surface: SurfaceShown, values: ArrayLike) -> tuple[FloatArray, Floa
 def dots_of(surface: SurfaceShown) -> dict[str, Any]:
     """Markers of a curve of few points."""
     return {"marker": "o"} if len(surface.speeds) < FEW else {}
+
+
+def _label(surface: SurfaceShown, difference: bool) -> str:
+    """What a surface's ramps give, or change."""
+    name, unit = surface.quantity
+    return f"change of the {name} [{unit}]" if difference else f"{name} [{unit}]"

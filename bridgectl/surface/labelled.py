@@ -56,16 +56,17 @@ def surface_to_xarray(surface: Any) -> xarray.Dataset:
         message = f"to_xarray needs the package xarray: type {_INSTALL}"
         raise ImportError(message, name="xarray") from None
     both, x = ("speed", "position"), surface.positions
-    unit = "m/s^2" if surface.effect == "acceleration" else "1"
+    daf, unit = surface.quantity
+    unit = unit.replace("-", "1")
     unit_ramp = f"unit ramp, {surface.ramp_height:g} m down over {surface.ramp_length:g} m"
     return xarray.Dataset(
         {
-            "daf_smooth": ("speed", surface.daf_smooth, _labels(unit, "DAF of a smooth road")),
-            "daf_unit": (both, surface.daf_unit, _labels(unit, f"DAF of a {unit_ramp}")),
+            "daf_smooth": ("speed", surface.daf_smooth, _labels(unit, f"{daf} of a smooth road")),
+            "daf_unit": (both, surface.daf_unit, _labels(unit, f"{daf} of a {unit_ramp}")),
             "daf_difference": (
                 both,
                 surface.daf_difference,
-                _labels(unit, f"change of the DAF by a {unit_ramp}"),
+                _labels(unit, f"change of the {daf} by a {unit_ramp}"),
             ),
         },
         {

@@ -78,9 +78,11 @@ class Steps:
         return np.clip(c, self.c_min, self.c_max)
 
 
-def _grid(run: Run, held: float, longest: float) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+def _grid(
+    run: Run, speed: float, held: float, longest: float
+) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
     """Starts of the intervals, ends of the steps [m], and the interval of each step."""
-    speed, length = run.crossing.speed, run.end - run.start
+    length = run.end - run.start
     count = np.ceil(length / (speed * held) - SAME_PLACE)
     if count > MOST_INTERVALS:
         raise ValueError(
@@ -96,14 +98,14 @@ def _grid(run: Run, held: float, longest: float) -> tuple[FloatArray, FloatArray
     return starts, np.append(firsts, run.end), interval
 
 
-def join(run: Run, held: float, longest: float, c_min: float, c_max: float) -> Steps:
+def join(run: Run, speed: float, held: float, longest: float, c_min: float, c_max: float) -> Steps:
     """Join the exact cells of the crossing into steps."""
     crossing, vehicle = run.crossing, run.crossing.linear
-    starts, ends, interval = _grid(run, held, longest)
+    starts, ends, interval = _grid(run, speed, held, longest)
     middles = (ends[1:] + ends[:-1]) / 2
     kinks = merge_places(np.concatenate([run.kinks(), ends, middles]))
-    nodes = cell_nodes(crossing, crossing.speed, kinks)
-    cells, rows = _cell_maps(run, nodes), _moment_rows(run, nodes)
+    nodes = cell_nodes(crossing, speed, kinks)
+    cells, rows = _cell_maps(run, speed, nodes), _moment_rows(run, nodes)
     rate, of_force = np.zeros(crossing.n_states), crossing.damper_matrix[:, 0]
     rate[: crossing.n_vehicle] = (vehicle.damper_map @ vehicle.velocities)[0]
 
@@ -119,7 +121,7 @@ def join(run: Run, held: float, longest: float, c_min: float, c_max: float) -> S
         steps.append(Step(at, v, np.array(seen).reshape(-1, n + 2)))
         n = len(at)
     mass = -1 / float(rate @ of_force)
-    return Steps(steps, starts, interval, np.diff(ends) / crossing.speed, mass, c_min, c_max)
+    return Steps(steps, starts, interval, np.diff(ends) / speed, mass, c_min, c_max)
 
 
 def _through(
@@ -141,10 +143,10 @@ def _through(
     return at
 
 
-def _cell_maps(run: Run, nodes: FloatArray) -> list[FloatArray]:
+def _cell_maps(run: Run, speed: float, nodes: FloatArray) -> list[FloatArray]:
     """Map from [states at the start, 1] to the states at the end of each cell."""
     maps: list[FloatArray] = []
-    for cells, road, *_ in propagate(run, np.array([run.crossing.speed]), nodes):
+    for cells, road, *_ in propagate(run, np.array([speed]), nodes):
         from_states, from_road = (of[0, :, : cells.n_states] for of in cells.transitions())
         besides = from_road[cells.map_of] @ road_rows(road)[..., np.newaxis]
         maps.extend(np.concatenate([from_states[cells.map_of], besides], axis=2))
