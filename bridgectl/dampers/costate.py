@@ -11,7 +11,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.peaks import find_peaks
-from bridgectl.linear.prediction import Prediction, as_prediction
+from bridgectl.linear.prediction import Prediction, predict
 from bridgectl.linear.runs import Stretch, effect_samples, prepare, propagate
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
@@ -42,7 +42,7 @@ def smooth_crossing(crossing: Crossing, reach: float) -> tuple[Prediction, Stret
     run = prepare(crossing, None, -reach)
     nodes = run.nodes(crossing.speed)
     stretches = propagate(run, np.array([crossing.speed]), nodes)
-    return as_prediction(run, nodes, stretches), stretches[-1]
+    return predict(run, nodes, stretches), stretches[-1]
 
 
 @on_one_thread

@@ -7,64 +7,134 @@ from dataclasses import dataclass
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_crossing
+from bridgectl._threads import on_one_thread
+from bridgectl._warn import warn
 from bridgectl.linear.cells import bridge_entry, road_rows
-from bridgectl.linear.runs import Run, Stretch, propagate
+from bridgectl.linear.estimates import require_crossing
+from bridgectl.linear.lift_off import LiftOffWarning
+from bridgectl.linear.runs import Run, Stretch, lifts_off, prepare, propagate
+from bridgectl.model.bridge import BridgeModel
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
+from bridgectl.road import RoadProfile
 
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """A crossing with the tires in contact as a linear recursion over C cells.
-
-    ::
-
-        x_(k+1) = transitions[k] (x_k + damper_input z_k) + offsets[k]
-        effect_k = effect_rows[k] x_k + effect_constants[k]
-
-    from x_0 = 0, equilibrium at the start. z_k are impulses of the damper forces at node k [N s].
-    Road and static loads are in offsets and constants. On the approach the beam's states stay 0,
-    and so does the effect.
-    """
+    """A linear crossing, node by node; `prediction_matrices` tells of the fields."""
 
     positions: FloatArray
-    """Nodes: places of the reference tire [m], increasing, shape (C + 1,)."""
     durations: FloatArray
-    """Time from node to node [s], shape (C,)."""
     transitions: FloatArray
-    """Maps of the states [m, m/s] over each cell, shape (C, n, n)."""
     offsets: FloatArray
-    """What road and static loads add to the states [m, m/s] in each cell, shape (C, n)."""
     damper_input: FloatArray
-    """Change of the states [m, m/s] per impulse of each damper [N s], shape (n, n_dampers)."""
     velocity_rows: FloatArray
-    """Suspension velocity [m/s] of each damper per states, shape (n_dampers, n)."""
     effect_rows: FloatArray
-    """Effect over its static peak per states [1/m, s/m], shape (C + 1, n)."""
     effect_constants: FloatArray
-    """Effect of road and static loads over its static peak [-], shape (C + 1,)."""
     entry: int
-    """Index of the node at the start of the bridge."""
 
     def __repr__(self) -> str:
+        x, (n, n_dampers) = self.positions, self.damper_input.shape
         return (
-            f"Prediction({len(self.durations)} cells from x = {self.positions[0]:.4g} m to "
-            f"{self.positions[-1]:.4g} m, {len(self.damper_input)} states, "
-            f"{len(self.velocity_rows)} dampers)"
+            f"Prediction({len(x) - 1} cells from x = {x[0]:.4g} m to {x[-1]:.4g} m, {n} states, "
+            f"{n_dampers} dampers)"
         )
 
 
-def predict(run: Run, nodes: FloatArray | None = None) -> Prediction:
-    """Prediction matrices of a run between the nodes of cells, by default its own."""
-    speed = run.crossing.speed
-    nodes = run.nodes(speed) if nodes is None else nodes
-    return as_prediction(run, nodes, propagate(run, np.array([speed]), nodes))
+@on_one_thread
+def prediction_matrices(
+    beam: BridgeModel,
+    vehicle: Vehicle | QuarterCar,
+    speed: float,
+    profile: RoadProfile | None = None,
+    *,
+    start: float = 0.0,
+    section: float = 0.5,
+    recovery: str = "exact",
+) -> Prediction:
+    """Return one crossing as a linear recursion in the impulses of its dampers.
+
+    For control with preview, bounds and optimization. With the tires in contact::
+
+        x_(k+1) = transitions[k] @ (x_k + damper_input @ z_k) + offsets[k],   x_0 = 0
+        moment_k = effect_rows[k] @ x_k + effect_constants[k]
+        v_k = velocity_rows @ x_k
+
+    z_k are the impulses [N s] of damper forces at node k, on top of the vehicle's own damping,
+    v_k the suspension velocities [m/s] before them. The cells between the nodes are exact but for
+    1e-7 of the moment.
+
+    Parameters
+    ----------
+    beam, vehicle, speed, section, recovery
+        See `bridgectl.Crossing`.
+    profile, start
+        See `bridgectl.crossing_response`.
+
+    Returns
+    -------
+    Prediction
+        Of C cells, the n states of `crossing_system` [m, m/s] and n_dampers dampers:
+
+        - positions (C + 1,) of the reference tire at the nodes [m], durations (C,) of the cells
+          [s], and the index `entry` of the node at the start of the bridge;
+        - transitions (C, n, n) and offsets (C, n), in which are the road and the static loads;
+        - damper_input (n, n_dampers) [m, m/s per N s] and velocity_rows (n_dampers, n);
+        - effect_rows (C + 1, n) and effect_constants (C + 1,) of the moment over the peak static
+          moment, with the road and the static loads.
+
+        On the approach the bridge is at rest: its states and the moment are 0, and so are
+        their rows.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `bridgectl.crossing_response`.
+
+    Warns
+    -----
+    LiftOffWarning
+        If a tire leaves the road without damper forces: the recursion lets it pull there.
+    PlausibilityWarning, UserWarning
+        As `bridgectl.crossing_response`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import bridgectl as bc
+    >>> beam, car = bc.li2006.beam(), bc.li2006.car()
+    >>> road = bc.RoadProfile([-5, 3, 3.1, 25], [0, 0, -0.003, -0.003])
+    >>> known = bc.prediction_matrices(beam, car, 30.0, road, start=-5)
+    >>> states = [np.zeros(10)]
+    >>> for transition, offset in zip(known.transitions, known.offsets):
+    ...     states.append(transition @ states[-1] + offset)
+    >>> moment = (known.effect_rows * states).sum(axis=1) + known.effect_constants
+    >>> response = bc.crossing_response(beam, car, 30.0, road, start=-5)
+    >>> print(f"{moment.max():.4f} predicted, {response.outputs['moment'].max():.4f} simulated")
+    1.1484 predicted, 1.1484 simulated
+    """
+    crossing = Crossing(beam, vehicle, speed, section, recovery)
+    run, c = prepare(crossing, profile, start), np.array([crossing.speed])
+    judge_crossing(crossing, crossing.speed, profile)
+    require_crossing(run, c)
+    nodes = run.nodes(crossing.speed)
+    stretches = propagate(run, c, nodes)
+    if lifts_off(crossing, stretches)[0]:
+        warn("a tire leaves the road: the prediction is of one that pulls there", LiftOffWarning)
+    return predict(run, nodes, stretches)
 
 
-def as_prediction(run: Run, nodes: FloatArray, stretches: list[Stretch]) -> Prediction:
-    """Prediction matrices from the cells of a run that was simulated, at its own speed."""
+def predict(
+    run: Run, nodes: FloatArray | None = None, stretches: list[Stretch] | None = None
+) -> Prediction:
+    """Prediction at the run's own nodes or others; `stretches` if it is already simulated there."""
     crossing, n, first = run.crossing, run.crossing.n_states, 0
+    nodes = run.nodes(crossing.speed) if nodes is None else nodes
     durations = np.diff(nodes) / crossing.speed
     transitions, offsets = np.zeros((len(durations), n, n)), np.zeros((len(durations), n))
-    for cells, road, *_ in stretches:
+    for cells, road, *_ in stretches or propagate(run, np.array([crossing.speed]), nodes):
         own, size = slice(first, first + len(cells.kind)), cells.n_states
         from_states, from_road = (of[0, :, :size] for of in cells.transitions())
         transitions[own, :size, :size] = from_states[cells.map_of]
