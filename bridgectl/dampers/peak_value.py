@@ -152,9 +152,7 @@ def peak_value(
         sweep.step_back(k, durations[k])
         constant[k], per_state = sweep.worth(k)
         gains[k] = per_state @ to_states[max(k - entry, 0)]
-    smooth = np.zeros((len(nodes), 2))
-    smooth[entry:] = bridge.states[0][:, MEASURED]
-    constant -= (gains * smooth).sum(axis=1)
+    constant[entry:] -= (gains[entry:] * bridge.states[0][:, MEASURED]).sum(axis=1)
     return PeakValue(nodes, constant, *gains.T)
 
 
