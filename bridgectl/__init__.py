@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from bridgectl._plausible import PlausibilityWarning
     from bridgectl.animation import crossing_animation
     from bridgectl.linear.lift_off import LiftOffWarning
+    from bridgectl.linear.prediction import prediction_matrices
     from bridgectl.model.beam import Beam
     from bridgectl.model.crossing import Crossing, crossing_system
     from bridgectl.model.effects import BodyAcceleration, Deflection, Moment, TireForce
@@ -99,6 +100,7 @@ __all__ = [
     "li2006",
     "load_surface",
     "peak_effect",
+    "prediction_matrices",
     "ramp_heights",
     "ramp_surface",
     "read_profile",
@@ -119,6 +121,7 @@ _HOMES = {
     "_plausible": ("PlausibilityWarning",),
     "animation": ("crossing_animation",),
     "linear.lift_off": ("LiftOffWarning",),
+    "linear.prediction": ("prediction_matrices",),
     "model.beam": ("Beam",),
     "model.crossing": ("Crossing", "crossing_system"),
     "model.effects": ("BodyAcceleration", "Deflection", "Moment", "TireForce"),

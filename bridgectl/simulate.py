@@ -259,7 +259,7 @@ def peak_effect(
     >>> import bridgectl as bc
     >>> beam, car = bc.li2006.beam(), bc.li2006.car()
     >>> bc.peak_effect(beam, car, 30.0, effect=bc.Deflection(sense="smallest")).round(5)
-    array([-8.e-05])
+    array([-5.e-05])
     """
     c = _checks.speeds(speeds)
     crossing = make_crossing(beam, vehicle, effect, section, recovery)

@@ -299,6 +299,7 @@ def things(bridge, truck):
     return [
         bridge, truck, truck.linear, bc.Crossing(bridge, truck), road, surface, board,
         *[board.rows()[0], board.difference("skyhook"), bc.dae_trust(surface, road)],
+        bc.prediction_matrices(bridge, truck, 25.0),
         dampers.skyhook(1e3, 30e3), hook, dampers.preset(1e3, 30e3), dampers.Damper(hook, lag=0.01),
         dampers.costate(bridge, truck, 25.0), dampers.peak_value(bridge, truck, 25.0, 1e3, 30e3),
         dampers.simulate_loop(bridge, truck, *loop, record=["tire_force"]),

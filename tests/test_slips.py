@@ -27,6 +27,9 @@ GOOD = {
     "crossing_response": {
         "beam": BEAM, "vehicle": CAR, "speed": 25, "profile": ROAD, "start": -10
     },
+    "prediction_matrices": {
+        "beam": BEAM, "vehicle": CAR, "speed": 25, "profile": ROAD, "start": -10
+    },
     "ramp_surface": {"beam": BEAM, "vehicle": CAR, "speeds": 25},
     "score": {
         "dampers": [PASSIVE], "beam": BEAM, "vehicle": CAR, "roads": [ROAD], "speeds": 25,
@@ -197,6 +200,10 @@ SLIPS = {
             (5.0, r"timepts must have shape \(n,\)"),
             (MASKED, "timepts has 1 masked value"),
         ],
+    },
+    "prediction_matrices": MODEL | {
+        "speed": slips_of_numbers("speed", (80, "speed of 80 m/s .*type 80 / 3.6")),
+        "profile": PROFILE, "start": START,
     },
     "ramp_surface": MODEL | {
         "speeds": SPEEDS, "effect": EFFECT, "method": METHOD, "damper": DAMPER,

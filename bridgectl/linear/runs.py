@@ -132,14 +132,6 @@ def _through(run: Run, cells: Cells, initial: FloatArray) -> Stretch:
     return Stretch(cells, road, states[..., 0], stages[..., 0])
 
 
-def state_maps(stretches: list[Stretch]) -> list[FloatArray]:
-    """Map of the states over each cell of one speed; on the approach the vehicle's alone."""
-    maps: list[FloatArray] = []
-    for cells in (stretch.cells for stretch in stretches):
-        maps.extend(cells.transitions()[0][0, cells.map_of, : cells.n_states])
-    return maps
-
-
 def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
     """The crossing's effect at `sample_positions` of the bridge's cells, (S, n_samples)."""
     at_nodes = crossing.values(bridge.cells.nodes, bridge.states, _node_forces(crossing, bridge))

@@ -34,8 +34,9 @@ class Motion:
 
     >>> import bridgectl as bc
     >>> braking = bc.Motion(25.0, acceleration=-3.0)
-    >>> braking.position(0.5), round(braking.time(12.125), 12)
-    (12.125, 0.5)
+    >>> x = braking.position(0.5)
+    >>> print(f"at {x:.4g} m after {braking.time(x):.3f} s")
+    at 12.12 m after 0.500 s
     """
 
     speed: float

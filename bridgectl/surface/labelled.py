@@ -86,7 +86,8 @@ def _labels(unit: str, name: str) -> dict[str, str]:
 def _attributes(surface: Any) -> Iterator[tuple[str, Any]]:
     """Parameters as NetCDF can hold them: numbers, lists of them, and text."""
     yield "bridgectl_version", _version.__version__
-    yield "vehicle", type(surface.vehicle).__name__
+    for name in ("vehicle", "effect"):
+        yield name, type(getattr(surface, name)).__name__
     for name, leaf in leaves(surface):
         if name.partition(".")[0] in (*COMPUTED, "speeds"):
             continue
