@@ -80,7 +80,7 @@ def test_what_is_no_effect_or_no_factor_is_told(bridge, truck, options, message)
 
 
 def test_an_effect_of_no_kind_is_an_error(bridge, truck):
-    with pytest.raises(TypeError, match=r"effect must be one as .* a crossing has none"):
+    with pytest.raises(TypeError, match=r"effect must be one of .*, or as Moment.* speeds go with daf"):
         bc.Crossing(bridge, truck, 25.0)
     with pytest.raises(ValueError, match="sense must be one of 'largest', 'smallest'"):
         bc.Moment(10.0, sense="hogging")

@@ -152,7 +152,7 @@ def test_a_file_tells_what_it_holds_without_bridgectl(surface, tmp_path):
     with np.load(tmp_path / "surface.npz", allow_pickle=False) as saved:
         arrays = dict(saved)
     header = json.loads(str(arrays.pop("header")))
-    assert (header["format"], header["version"]) == ("bridgectl ramp surface", 2)
+    assert (header["format"], header["version"]) == ("bridgectl ramp surface", 3)
     assert header["bridgectl"] == bc.__version__
     assert header["parameters"]["beam.length"] == 25.0
     assert header["units"]["beam.flexural_rigidity"] == "N m^2"
@@ -163,7 +163,7 @@ def test_a_file_tells_what_it_holds_without_bridgectl(surface, tmp_path):
         if not name.startswith("vehicle."):
             assert len(header["arrays"][name]["axes"]) == array.ndim, name
     parts = {name for name in header["parameters"] if "." in name}
-    assert parts - header["units"].keys() <= {"vehicle.coordinates"}
+    assert parts - header["units"].keys() <= {"vehicle.coordinates", "effect.recovery", "effect.sense"}
 
 
 def test_a_new_field_of_a_surface_is_saved_without_further_ado(small, tmp_path, monkeypatch):

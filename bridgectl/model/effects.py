@@ -335,11 +335,6 @@ def as_effect(
         if effect.recovery not in ("exact", recovery):
             raise ValueError(f"recovery is {recovery!r} and that of {effect!r}: leave one out")
         return replace(effect, recovery=recovery).on(bridge, vehicle)
-    if not isinstance(effect, str):
-        raise TypeError(
-            f"effect must be one as Moment(at=12.5), or a name as 'moment', got {effect!r}; speeds "
-            "go with daf(...), crossing_system(...) and others: a crossing has none"
-        )
     at = place * bridge.length
     named: dict[str, Effect] = {
         "moment": Moment(at, recovery=recovery),
@@ -350,6 +345,11 @@ def as_effect(
         },
         "acceleration": BodyAcceleration(),
     }
+    if not isinstance(effect, str):
+        raise TypeError(
+            f"effect must be one of {', '.join(map(repr, named))}, or as Moment(at=12.5), got "
+            f"{effect!r}; speeds go with daf(...), crossing_system(...) and others"
+        )
     return named[_checks.choice("effect", effect, tuple(named))]
 
 
