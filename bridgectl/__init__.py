@@ -44,8 +44,11 @@ if TYPE_CHECKING:
     from bridgectl._plausible import PlausibilityWarning
     from bridgectl.animation import crossing_animation
     from bridgectl.linear.lift_off import LiftOffWarning
+    from bridgectl.linear.prediction import prediction_matrices
     from bridgectl.model.beam import Beam
     from bridgectl.model.crossing import Crossing, crossing_system
+    from bridgectl.model.effects import BodyAcceleration, Deflection, Moment, TireForce
+    from bridgectl.model.motion import Motion
     from bridgectl.model.quarter_car import QuarterCar, convoy
     from bridgectl.model.vehicle import Vehicle
     from bridgectl.paper import li2006
@@ -62,7 +65,7 @@ if TYPE_CHECKING:
     from bridgectl.scoring.calibration import calibrated_class_dae
     from bridgectl.scoring.ramp_heights import ramp_heights
     from bridgectl.scoring.run import score
-    from bridgectl.simulate import crossing_response, daf, ramp_surface
+    from bridgectl.simulate import crossing_response, daf, peak_effect, ramp_surface
     from bridgectl.surface.expected import SurfaceFileError
     from bridgectl.surface.load import load_surface
     from bridgectl.surface.surface import RampSurface
@@ -70,9 +73,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Beam",
+    "BodyAcceleration",
     "Crossing",
     "DaeTrust",
+    "Deflection",
     "LiftOffWarning",
+    "Moment",
+    "Motion",
     "PlausibilityWarning",
     "ProfileFileError",
     "QuarterCar",
@@ -80,6 +87,7 @@ __all__ = [
     "RoadProfile",
     "Scoreboard",
     "SurfaceFileError",
+    "TireForce",
     "Vehicle",
     "calibrated_class_dae",
     "convoy",
@@ -91,6 +99,8 @@ __all__ = [
     "iso8608_profile",
     "li2006",
     "load_surface",
+    "peak_effect",
+    "prediction_matrices",
     "ramp_heights",
     "ramp_surface",
     "read_profile",
@@ -111,8 +121,11 @@ _HOMES = {
     "_plausible": ("PlausibilityWarning",),
     "animation": ("crossing_animation",),
     "linear.lift_off": ("LiftOffWarning",),
+    "linear.prediction": ("prediction_matrices",),
     "model.beam": ("Beam",),
     "model.crossing": ("Crossing", "crossing_system"),
+    "model.effects": ("BodyAcceleration", "Deflection", "Moment", "TireForce"),
+    "model.motion": ("Motion",),
     "model.quarter_car": ("QuarterCar", "convoy"),
     "model.vehicle": ("Vehicle",),
     "road": (
@@ -123,7 +136,7 @@ _HOMES = {
     "scoring.calibration": ("calibrated_class_dae",),
     "scoring.ramp_heights": ("ramp_heights",),
     "scoring.run": ("score",),
-    "simulate": ("crossing_response", "daf", "ramp_surface"),
+    "simulate": ("crossing_response", "daf", "peak_effect", "ramp_surface"),
     "surface.expected": ("SurfaceFileError",),
     "surface.load": ("load_surface",),
     "surface.surface": ("RampSurface",),

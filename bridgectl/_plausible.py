@@ -119,6 +119,11 @@ def judge_crossing(
     judge_roads(*roads)
 
 
+def judge_load(crossing: Crossing) -> None:
+    """Warn of a vehicle that does not go with the bridge."""
+    _tell(_load_doubts(crossing))
+
+
 def judge_roads(*roads: RoadProfile | None) -> None:
     """Warn of roads that are too rough to be driven, or have a grade."""
     _tell(chain.from_iterable(_road_doubts(road) for road in roads if road is not None))

@@ -7,7 +7,7 @@ and judged here, once, and the engines of linear crossings and of closed loops n
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import control
 import numpy as np
@@ -23,7 +23,9 @@ from bridgectl.linear.estimates import require_surface
 from bridgectl.linear.response import METHODS, linear_dafs, linear_response
 from bridgectl.linear.runs import Run, prepare
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.effects import BodyAcceleration, Effect
+from bridgectl.model.motion import Motion, as_motion
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
@@ -46,12 +48,13 @@ if TYPE_CHECKING:
 def crossing_response(
     beam: BridgeModel,
     vehicle: Vehicle | QuarterCar,
-    speed: float,
+    speed: float | Motion,
     profile: RoadProfile | None = None,
     *,
     start: float = 0.0,
     section: float = 0.5,
     recovery: str = "exact",
+    effect: Effect | str = "moment",
     method: str = "propagator",
     damper: Damper | Strategy | None = None,
     tail: float = 0.0,
@@ -64,8 +67,12 @@ def crossing_response(
 
     Parameters
     ----------
-    beam, vehicle, speed, section, recovery
+    beam, vehicle
         See `Crossing`.
+    speed : float or Motion
+        Speed c [m/s]; a motion that is not uniform goes with ``method="control"``.
+    section, recovery, effect
+        Where 'moment' and 'deflection' are read, and how: see `daf`.
     profile : RoadProfile, optional
         The road, covering `start` to the end of the bridge; level beyond its end. Default:
         a smooth road.
@@ -117,18 +124,24 @@ def crossing_response(
     >>> print(f"{response.outputs['moment'].max():.4f}")
     1.1302
     """
-    crossing = Crossing(beam, vehicle, speed, section, recovery)
+    motion, crossing = as_motion(speed), make_crossing(beam, vehicle, effect, section, recovery)
     _checks.choice("method", method, METHODS)
-    run = prepare(crossing, profile, start, tail)
-    judge_crossing(crossing, crossing.speed, profile)
-    asked = None if timepts is None else _times(timepts, run) * crossing.speed
+    if method == "propagator" and not motion.uniform:
+        raise ValueError(f'{motion!r} is not uniform: type method="control", without a damper')
+    run = prepare(crossing, profile, start)
+    after = _checks.not_negative("tail", tail, unit="s")
+    run = run._replace(end=motion.position(motion.time(run.end) + after) if after else run.end)
+    judge_crossing(crossing, motion.speed, profile)
+    asked = None if timepts is None else motion.position(_times(timepts, run, motion))
     if damper is None:
-        return _as_response(run, *linear_response(run, asked, method))
+        return _as_response(run, motion, *linear_response(run, motion, asked, method))
     from bridgectl.dampers.loop.damped import damped_response
 
     bare, device = _fast(vehicle, damper, method)
     judge_range(bare, device)
-    return _as_response(*damped_response(run, device, np.zeros(0) if asked is None else asked))
+    places = np.zeros(0) if asked is None else asked
+    bare_run, *found = damped_response(run, motion.speed, device, places)
+    return _as_response(bare_run, motion, *found)
 
 
 @on_one_thread
@@ -141,7 +154,7 @@ def daf(
     start: float = 0.0,
     section: float = 0.5,
     recovery: str = "exact",
-    effect: str = "moment",
+    effect: Effect | str = "moment",
     method: str = "propagator",
     damper: Damper | Strategy | None = None,
     progress: bool = True,
@@ -152,12 +165,16 @@ def daf(
 
     Parameters
     ----------
-    beam, vehicle, section, recovery, effect
+    beam, vehicle
         See `Crossing`.
+    section, recovery, effect : optional
+        What the factor is of: `Moment`, `Deflection` or `TireForce`. 'moment' and 'deflection' are
+        short for those at a section, a fraction of the span, and with the recovery of `Moment`;
+        'tire_force' ('tire_force_1', ... of several tires) for that of a tire.
     speeds : float or array_like
         Speeds c [m/s].
     profile, start, method, damper
-        See `crossing_response`; with a damper, the effect is the moment.
+        See `crossing_response`.
     progress : bool, optional
         Whether a progress bar shows on a terminal while speeds are simulated one by one.
 
@@ -168,7 +185,7 @@ def daf(
     Raises
     ------
     TypeError, ValueError
-        As `crossing_response`.
+        As `crossing_response`; also if the effect has no static peak: see `peak_effect`.
 
     Warns
     -----
@@ -185,23 +202,76 @@ def daf(
     array([1.0551, 1.1302])
     """
     c = _checks.speeds(speeds)
-    _checks.flag("progress", progress)
-    crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
-    _checks.choice("method", method, METHODS)
+    crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    _require_factor(crossing)
     run = prepare(crossing, profile, start)
     judge_crossing(crossing, c, profile)
     device = None
     if damper is not None:
         bare, device = _fast(vehicle, damper, method)
-        _checks.choice("effect", effect, ("moment",))
         judge_range(bare, device)
         crossing, device = _resolved(crossing, bare, device)
-        run = run._replace(crossing=crossing)
-    if device is not None:
-        from bridgectl.dampers.loop.damped import damped_dafs
+    return _peaks(run._replace(crossing=crossing), c, device, method, progress)
 
-        return damped_dafs(run, device, c)
-    return linear_dafs(run, c, method, progress)
+
+@on_one_thread
+def peak_effect(
+    beam: BridgeModel,
+    vehicle: Vehicle | QuarterCar,
+    speeds: ArrayLike,
+    profile: RoadProfile | None = None,
+    *,
+    start: float = 0.0,
+    section: float = 0.5,
+    recovery: str = "exact",
+    effect: Effect | str = "moment",
+    method: str = "propagator",
+    damper: Damper | Strategy | None = None,
+    progress: bool = True,
+) -> FloatArray:
+    """Peak of an effect, in its own unit, whether or not static loads give it one.
+
+    Parameters
+    ----------
+    beam, vehicle, speeds, profile, start, section, recovery, method, damper, progress
+        See `daf`.
+    effect : Moment, Deflection, TireForce, BodyAcceleration or str, optional
+        What the peak is of; 'acceleration' is that of the first coordinate of the vehicle.
+
+    Returns
+    -------
+    ndarray, shape (n_speeds,)
+        In N m, m, N or m/s^2.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `crossing_response`.
+
+    Warns
+    -----
+    LiftOffWarning, PlausibilityWarning, UserWarning
+        As `daf`.
+
+    Examples
+    --------
+    How far the span rises again behind the truck:
+
+    >>> import bridgectl as bc
+    >>> beam, car = bc.li2006.beam(), bc.li2006.car()
+    >>> bc.peak_effect(beam, car, 30.0, effect=bc.Deflection(sense="smallest")).round(5)
+    array([-5.e-05])
+    """
+    c = _checks.speeds(speeds)
+    crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    run = prepare(crossing, profile, start)
+    judge_crossing(crossing, c, profile)
+    unit, device = crossing.static_peak or 1.0, None
+    if damper is not None:
+        bare, device = _fast(vehicle, damper, method)
+        judge_range(bare, device)
+        crossing, device = _resolved(crossing, bare, device)
+    return unit * _peaks(run._replace(crossing=crossing), c, device, method, progress)
 
 
 @on_one_thread
@@ -217,7 +287,7 @@ def ramp_surface(
     every: int = 1,
     section: float = 0.5,
     recovery: str = "exact",
-    effect: str = "moment",
+    effect: Effect | str = "moment",
     method: str = "propagator",
     damper: Damper | Strategy | None = None,
     progress: bool = True,
@@ -227,8 +297,8 @@ def ramp_surface(
     Parameters
     ----------
     beam, vehicle, section, recovery, effect
-        See `bridgectl.Crossing`. Of an effect other than the moment, every "DAF" is that
-        effect's largest value over its largest static one; of the acceleration, in m/s^2.
+        See `daf`. Of an effect without a static peak, as an acceleration, "DAF" stands for its
+        peak in its own unit.
     speeds : float or array_like
         Speeds c [m/s].
     approach : float, optional
@@ -300,12 +370,7 @@ def ramp_surface(
         )
     _checks.choice("method", method, METHODS)
     _checks.flag("progress", progress)
-    crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
-    if damper is not None and (effect != "moment" or method != "propagator"):
-        raise ValueError(
-            f"with a damper, a surface is of the moment and by the fast path, got {effect=} and "
-            f"{method=}: leave them out"
-        )
+    crossing = make_crossing(beam, vehicle, effect, section, recovery)
     judge_crossing(crossing, c)
     require_surface(crossing, c, before, length, method)
     n_ramps = count_pieces(before + beam.length, length)
@@ -340,23 +405,52 @@ def _resolved(
 ) -> tuple[Crossing, Damper | None]:
     """A constant damper is another vehicle, whose crossing is linear."""
     if device.constant is None:
+        if isinstance(crossing.effect, BodyAcceleration):
+            raise ValueError(
+                "with a damper that is not constant the effect is a moment, a deflection or a tire "
+                f"force, got {crossing.effect!r}: histories of accelerations has simulate_loop("
+                'record=["body_acceleration"])'
+            )
         return crossing, device
     return replace(crossing, vehicle=replace(bare, damping=device.constant)), None
 
 
+def _peaks(
+    run: Run, speeds: FloatArray, device: Damper | None, method: str, progress: bool
+) -> FloatArray:
+    """Peaks over their static ones, if they have any, by the engine that they need."""
+    _checks.flag("progress", progress)
+    _checks.choice("method", method, METHODS)
+    if device is None:
+        return linear_dafs(run, speeds, method, progress)
+    from bridgectl.dampers.loop.damped import damped_dafs
+
+    return damped_dafs(run, device, speeds)
+
+
+def _require_factor(crossing: Crossing) -> None:
+    if crossing.static_peak == 0:
+        effect: Any = crossing.effect
+        raise ValueError(
+            f"effect must have a static peak for a factor, and the {effect.sense} static "
+            f"{effect.label} of {effect!r} is 0 {effect.unit}: type peak_effect(...) for its peak"
+        )
+
+
 def _as_response(
     run: Run,
+    motion: Motion,
     positions: FloatArray,
     states: FloatArray,
     forces: FloatArray,
     damper: FloatArray | None = None,
 ) -> control.TimeResponseData:
-    crossing, time = run.crossing, positions / run.crossing.speed
+    crossing = run.crossing
     if damper is None:
         damper = np.zeros((len(crossing.linear.damper_map), len(positions)))
     return control.TimeResponseData(
-        time,
-        crossing.outputs(time, states, forces, damper),
+        motion.time(positions),
+        crossing.outputs(positions, states, forces, damper),
         states,
         np.vstack([run.road(positions).T, damper]),
         issiso=False,
@@ -364,9 +458,9 @@ def _as_response(
         state_labels=crossing.state_labels,
         input_labels=crossing.input_labels,
         sysname="crossing",
-        title=f"Crossing at {to_kmh(crossing.speed):g} km/h",
+        title=f"Crossing at {to_kmh(motion.speed):g} km/h",
         params={
-            "speed": crossing.speed,
+            "speed": motion.speed,
             "section": crossing.section,
             "recovery": crossing.recovery,
             "start": run.start,
@@ -374,10 +468,10 @@ def _as_response(
     )
 
 
-def _times(timepts: ArrayLike, run: Run) -> FloatArray:
+def _times(timepts: ArrayLike, run: Run, motion: Motion) -> FloatArray:
     times = _checks.array("timepts", timepts, (None,), unit="s")
-    first, last = run.start / run.crossing.speed, run.end / run.crossing.speed
-    slack = SAME_PLACE / run.crossing.speed
+    first, last = motion.time(run.start), motion.time(run.end)
+    slack = SAME_PLACE / motion.speed
     if times.size < 2 or np.any(np.diff(times) <= 0):
         raise ValueError("timepts must hold two or more increasing times [s]")
     if times[0] < first - slack or times[-1] > last + slack:

@@ -65,7 +65,7 @@ def random_case(seed: int) -> dict:
 
 def law_of_crossing(damper, beam, car, speed, road):
     """The law at a speed, with the gains that are set for this crossing."""
-    crossing = bc.Crossing(beam, dataclasses.replace(car, damping=0.0), speed)
+    crossing = bc.Crossing(beam, dataclasses.replace(car, damping=0.0))
     own = damper.strategy.gains_for(crossing, np.array([speed]), road.x, road.elevation[np.newaxis])
     law = damper.strategy.for_speed(speed)
     return law.with_gains(**{name: float(value[0, 0]) for name, value in own.items()})
@@ -76,7 +76,7 @@ def loop_of_the_control_library(beam, car, damper, speed, road):
 
     No integration step crosses a kink of the road or of the moment.
     """
-    crossing = bc.Crossing(beam, dataclasses.replace(car, damping=0.0), speed)
+    crossing = bc.Crossing(beam, dataclasses.replace(car, damping=0.0))
 
     def force(x, damping):
         return min(max(damping * (x[1] - x[3]), -damper.max_force), damper.max_force)

@@ -64,7 +64,7 @@ def test_all_bridges_and_the_truck_of_the_thesis_pass():
         for span in spans:
             beam = bc.li2006.beam(span, deck)
             bc.Beam(beam.length, beam.mass_per_length, beam.flexural_rigidity)
-            bc.Crossing(beam, bc.li2006.car(), 59.9)
+            bc.crossing_system(beam, bc.li2006.car(), 59.9)
 
 
 @pytest.mark.skipif(not VEHICLES.exists(), reason="the reference numbers are not shipped")
@@ -144,8 +144,10 @@ ENTRIES = {
         b, c, 80, damper=groundhook(1e3, 30e3)
     ),
     "crossing_system": lambda b, c: bc.crossing_system(b, c, 80),
-    "Crossing": lambda b, c: bc.Crossing(b, c, 80),
-    "replaced Crossing": lambda b, c: dataclasses.replace(bc.Crossing(b, c, 20), speed=80),
+    "Crossing": lambda b, c: bc.Crossing(b, bc.convoy([c] * 50, [0] * 50)),
+    "replaced Crossing": lambda b, c: dataclasses.replace(
+        bc.Crossing(b, c), vehicle=bc.convoy([c] * 50, [0] * 50)
+    ),
     "ramp_surface": lambda b, c: bc.ramp_surface(b, c, 80, ramp_length=5.0),
     "ramp_surface, constant damper": lambda b, c: bc.ramp_surface(
         b, c, 80, ramp_length=5.0, damper=passive(7e3)

@@ -297,8 +297,9 @@ def things(bridge, truck):
     daf = 1 + 0.1 * np.random.default_rng(0).normal(size=(3, 2, 2, 1))
     judged = DamperCase(25.0, "A", ("a", "b", "c"), 2, daf, daf, daf, np.array([1.0, 1.1, 1.2]))
     return [
-        bridge, truck, truck.linear, bc.Crossing(bridge, truck, 25.0), road, surface, board,
+        bridge, truck, truck.linear, bc.Crossing(bridge, truck), road, surface, board,
         *[board.rows()[0], board.difference("skyhook"), bc.dae_trust(surface, road)],
+        bc.prediction_matrices(bridge, truck, 25.0),
         dampers.skyhook(1e3, 30e3), hook, dampers.preset(1e3, 30e3), dampers.Damper(hook, lag=0.01),
         dampers.costate(bridge, truck, 25.0), dampers.peak_value(bridge, truck, 25.0, 1e3, 30e3),
         dampers.simulate_loop(bridge, truck, *loop, record=["tire_force"]),
@@ -329,7 +330,7 @@ def test_every_class_shows_itself_in_one_line_with_units(things):
 
 
 def test_a_crossing_and_a_damper_tell_every_parameter(bridge, truck):
-    crossing = repr(bc.Crossing(bridge, truck, 25.0, effect="tire_force"))
+    crossing = repr(bc.Crossing(bridge, truck, bc.TireForce()))
     assert repr(bridge) in crossing
     assert repr(truck) in crossing
     assert (

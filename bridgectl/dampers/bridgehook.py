@@ -39,7 +39,8 @@ from bridgectl.dampers.costate import REACH, Costate, costate
 from bridgectl.dampers.peak_value import PeakValue, peak_value
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import make_crossing
+from bridgectl.model.effects import Effect
 from bridgectl.model.quarter_car import QuarterCar
 
 SPACING = 0.7
@@ -60,7 +61,7 @@ class Bridgehook(Strategy):
 
     Parameters
     ----------
-    beam, vehicle, c_min, c_max, section, feedback, lag
+    beam, vehicle, c_min, c_max, section, effect, feedback, lag
         See `bridgehook`.
 
     Raises
@@ -85,11 +86,12 @@ lag=0 s)
         c_max: float,
         section: float = 0.5,
         *,
+        effect: Effect | str = "moment",
         feedback: bool = True,
         lag: float = 0.0,
     ) -> None:
-        # The crossing checks beam, vehicle and section.
-        self.section = Crossing(beam, bare_vehicle(vehicle), 1.0, section).section
+        # The crossing checks beam, vehicle and effect.
+        self.effect = make_crossing(beam, bare_vehicle(vehicle), effect, section).effect
         if not isinstance(feedback, bool | np.bool_):
             raise TypeError(f"feedback must be True or False, got {feedback!r}")
         self.beam, self.vehicle, self.feedback = beam, vehicle, bool(feedback)
@@ -133,9 +135,9 @@ lag=0 s)
     def _made(self, speed: float) -> Strategy:
         case = self.beam, self.vehicle, speed
         if not self.feedback:
-            return _costate_law(costate(*case, section=self.section), self)
+            return _costate_law(costate(*case, effect=self.effect), self)
         bounds = self.c_min, self.c_max
-        return _feedback_law(peak_value(*case, *bounds, section=self.section, reach=REACH), self)
+        return _feedback_law(peak_value(*case, *bounds, effect=self.effect, reach=REACH), self)
 
     def system(self, speed: float, *, rate_time: float = RATE_TIME) -> control.NonlinearIOSystem:
         """Return the law at a speed as an I/O block: see `Strategy.system`.
@@ -218,6 +220,7 @@ def bridgehook(
     c_max: float,
     *,
     section: float = 0.5,
+    effect: Effect | str = "moment",
     feedback: bool = True,
     lag: float = 0.0,
 ) -> Bridgehook:
@@ -232,8 +235,8 @@ def bridgehook(
         The bridge that sigma is computed for.
     vehicle : QuarterCar
         The vehicle, with its passive damping.
-    section : float, optional
-        Section of the moment, as a fraction of the span.
+    section, effect : optional
+        What it works against: see `bridgectl.daf`. A moment at mid-span if omitted.
     c_min, c_max : float
         Bounds of the damping [N s/m].
     feedback : bool, optional
@@ -278,7 +281,9 @@ def bridgehook(
     >>> law.command(position=[-70.0, 11.0, 26.0], axle_velocity=0.1, suspension_velocity=-0.1)
     array([ 7000., 30000.,  7000.])
     """
-    return Bridgehook(beam, vehicle, c_min, c_max, section, feedback=feedback, lag=lag)
+    return Bridgehook(
+        beam, vehicle, c_min, c_max, section, effect=effect, feedback=feedback, lag=lag
+    )
 
 
 def _feedback_law(found: PeakValue, owner: Bridgehook) -> Strategy:

@@ -63,9 +63,9 @@ class _Step(NamedTuple):
 class _Stepper:
     """Steps through the cells of one crossing at one speed, with any set of tires touching."""
 
-    def __init__(self, run: Run, nodes: FloatArray) -> None:
+    def __init__(self, run: Run, speed: float, nodes: FloatArray) -> None:
         self.run, self.nodes = run, nodes
-        self.speeds = np.array([run.crossing.speed])
+        self.speeds = np.array([speed])
         self.road, self.shapes = run.road(nodes), run.crossing.tire_shapes(nodes)
         self.rows = road_rows(self.road)
         self.built: dict[bytes, Cells] = {}
@@ -109,13 +109,15 @@ class _Stepper:
         return _Step(after, would_be, forces.reshape(N_STAGES, -1), effects)
 
 
-def fly(run: Run, nodes: FloatArray) -> Flight:
+def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
     """Simulate a crossing with its tires kept from pulling, R >= 0.
 
     Parameters
     ----------
     run : Run
         The crossing; its vehicle starts in equilibrium on a level road.
+    speed : float
+        Speed [m/s].
     nodes : ndarray
         Nodes of the cells [m], the kinks among them.
 
@@ -123,7 +125,7 @@ def fly(run: Run, nodes: FloatArray) -> Flight:
     -------
     Flight
     """
-    crossing, stepper = run.crossing, _Stepper(run, nodes)
+    crossing, stepper = run.crossing, _Stepper(run, speed, nodes)
     slack = LIFT_OFF * crossing.linear.static_loads
     touching = np.ones(crossing.linear.n_tires, dtype=bool)
     state: FloatArray = np.zeros(crossing.n_states)

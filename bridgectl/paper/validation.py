@@ -352,7 +352,7 @@ def _simulated(surface: RampSurface, road: RoadProfile) -> tuple[FloatArray, boo
 def _flights(surface: RampSurface, road: RoadProfile) -> tuple[NDArray[np.bool_], float | None]:
     """At which speeds a tire leaves the road, and the first place of any of them [m]."""
     beam, vehicle, start = surface.beam, surface.vehicle, -surface.approach
-    run = prepare(Crossing(beam, vehicle, float(surface.speeds[0])), road, start)
+    run = prepare(Crossing(beam, vehicle), road, start)
     flying = ~linear_contact(run, surface.speeds)
     places = []
     for speed in surface.speeds[flying]:

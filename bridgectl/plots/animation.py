@@ -50,7 +50,7 @@ COILS, POINTS = 6, 201
 """Coils of the spring, and points of the bridge besides the road's stations: one at mid-span."""
 
 
-class Motion(NamedTuple):
+class DrawnCrossing(NamedTuple):
     """What is drawn, at every point of the curves [SI units]; displacements are downward."""
 
     beam: BeamShown
@@ -78,7 +78,7 @@ class Motion(NamedTuple):
 
 
 @styled
-def draw_crossing(motion: Motion, fps: float) -> FuncAnimation:
+def draw_crossing(motion: DrawnCrossing, fps: float) -> FuncAnimation:
     """Draw what `bridgectl.animation.crossing_animation` simulated, at some frames per second."""
     scene, x = _Scene(motion), motion.x
     frames = (x.size - 1) // BETWEEN + 1
@@ -91,7 +91,7 @@ def draw_crossing(motion: Motion, fps: float) -> FuncAnimation:
 class _Scene:
     """The figure, and what moves in it."""
 
-    def __init__(self, motion: Motion) -> None:
+    def __init__(self, motion: DrawnCrossing) -> None:
         self.motion, self.span, road = motion, motion.beam.length, motion.road
         span = self.span
         self.window = (-BEFORE * span, (1 + AFTER) * span)

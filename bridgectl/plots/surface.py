@@ -56,7 +56,7 @@ def smooth_daf_plot(surface: SurfaceShown, ax: Axes | None = None) -> Axes:
     """
     ax = new_axes(ax)
     ax.plot(*curve_of(surface, surface.daf_smooth), color=BLACK, **dots_of(surface))
-    ax.set(xlabel=SPEED_LABEL, ylabel="DAF, smooth road [-]")
+    ax.set(xlabel=SPEED_LABEL, ylabel="{}, smooth road [{}]".format(*surface.quantity))
     return ax
 
 
@@ -106,11 +106,11 @@ def surface_plot(
         ticks = middles[middles.size // 2 % 2 :: 2]  # every other one, with 0 among them
         ax.set_title(f"what {ramp} changes")
     else:
-        ax.set_title(f"DAF with {ramp}")
+        ax.set_title(f"{surface.quantity[0]} with {ramp}")
     places, kmh = surface.positions / surface.beam.length, to_kmh(surface.speeds)
     filled = ax.contourf(places, kmh, values, **look)
     ax.contour(filled, colors=BLACK, linewidths=0.25, alpha=0.5)
-    label = "change of the DAF [-]" if difference else "DAF [-]"
+    label = _label(surface, difference)
     ax.figure.colorbar(filled, ax=ax, label=label, ticks=ticks, pad=0.02)
     ax.set(xlabel=PLACE_LABEL, ylabel=SPEED_LABEL)
     return ax
@@ -143,7 +143,7 @@ def lines_plot(
     """
     ax = new_axes(ax)
     draw_lines(ax, surface, surface.daf_difference if difference else surface.daf_unit, speeds)
-    ax.set(xlabel=PLACE_LABEL, ylabel="change of the DAF [-]" if difference else "DAF [-]")
+    ax.set(xlabel=PLACE_LABEL, ylabel=_label(surface, difference))
     ax.legend()
     return ax
 
@@ -209,7 +209,7 @@ def effects_figure(
     >>> [axes.get_ylabel() for axes in effects_figure(surface).axes]
     ['change of the DAF [-]', 'change of the DAF [-]']
     """
-    values, label = [surface.odd_effect, surface.even_effect], "change of the DAF [-]"
+    values, label = [surface.odd_effect, surface.even_effect], _label(surface, difference=True)
     if road is not None:
         scales = surface.ramps(road)
         values = [np.cumsum(part, axis=1) for part in (values[0] * scales, values[1] * scales**2)]
@@ -258,3 +258,9 @@ def paper_figure(results: PaperShown) -> Figure:
     for name, panel in panels.items():
         panel.set_title(f"Fig. {name}: {panel.get_title(loc='left')}")
     return figure
+
+
+def _label(surface: SurfaceShown, difference: bool) -> str:
+    """What a surface's ramps give, or change."""
+    name, unit = surface.quantity
+    return f"change of the {name} [{unit}]" if difference else f"{name} [{unit}]"

@@ -135,7 +135,7 @@ def ramp_heights(
     velocity = check.positive("speed", speed, unit="m/s")
     before = check.not_negative("approach", approach, unit="m")
     device, car = as_damper(damper), bare_vehicle(vehicle)
-    judge_crossing(Crossing(beam, car, velocity), velocity)
+    judge_crossing(Crossing(beam, car), velocity)
     judge_range(car, device)
     ramp = _ramp_at(place, before, beam.length)
     reach = check.positive("largest", largest, unit="m")

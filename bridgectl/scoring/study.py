@@ -19,7 +19,7 @@ from bridgectl._places import SAME_PLACE, count_pieces, even_places
 from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel, described
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import Crossing, make_crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
 from bridgectl.road.sampling import warn_if_coarse
@@ -48,8 +48,8 @@ class Study:
 
     @property
     def crossing(self) -> Crossing:
-        """The crossing at the first speed, which does not count."""
-        return Crossing(self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery)
+        """What crosses what, and the moment that counts."""
+        return make_crossing(self.beam, self.vehicle, "moment", self.section, self.recovery)
 
     @property
     def approach(self) -> float:

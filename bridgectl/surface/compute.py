@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +19,7 @@ from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import Run, prepare, reference_effect
 from bridgectl.model.crossing import Crossing
+from bridgectl.model.motion import Motion
 from bridgectl.road import RoadProfile, ramp_covariance
 from bridgectl.road.psd import CLASSES
 from bridgectl.surface.histories import DenseHistories, Histories, factor_histories
@@ -85,8 +86,8 @@ class RampGrid:
         x = self.positions
         unit, *rise = between(x, x[:: self.every], ramps)
         return RampSurface(
-            crossing.beam, crossing.vehicle, crossing.section, crossing.recovery, crossing.effect,
-            self.approach, self.length, self.height, speeds, x, smooth, unit, histories,
+            crossing.beam, crossing.vehicle, crossing.effect, self.approach, self.length,
+            self.height, speeds, x, smooth, unit, histories,
             rise[0] if self.both_ways else None, self.every,
         )  # fmt: skip
 
@@ -98,7 +99,7 @@ def linear_surface(
     method: str = "propagator",
     progress: bool = True,
 ) -> RampSurface:
-    """Compute the surface of a linear crossing, whose speed does not count: see `ramp_surface`."""
+    """Compute the surface of a linear crossing: see `ramp_surface`."""
     # The smooth road has nodes at the ramps' ends all the same.
     run = prepare(crossing, RoadProfile(grid.edges, np.zeros_like(grid.edges)), -grid.approach)
     histories: Histories
@@ -106,10 +107,9 @@ def linear_surface(
         histories = factor_histories(run, speeds, grid.length, grid.n_ramps)
     else:
         histories = _simulate_ramps(run, grid.edges, speeds, grid.height, progress)
-    smooth = find_peaks(histories.smooth.T).values
-    ramps = np.array([[histories.peaks(i, h) for i in range(speeds.size)] for h in grid.heights])[
-        ..., :: grid.every
-    ]
+    smooth = crossing.orientation * find_peaks(histories.smooth.T).values
+    peaks = [[histories.peaks(i, h) for i in range(speeds.size)] for h in grid.heights]
+    ramps = crossing.orientation * np.array(peaks)[..., :: grid.every]
     vehicle = crossing.linear
     if vehicle.n_tires == 1:  # of several tires, lift-off is looked for in roads alone
         force = LIFTING * vehicle.tire_stiffnesses[0] * grid.height
@@ -186,10 +186,8 @@ def _simulate_ramps(
     for i, ramp in track(cases, "Simulating ramps", len(cases), show=progress):
         # After the last edge there is no ramp: the smooth road.
         road = RoadProfile(edges, one_ramp(edges, ramp, height))
-        at_speed = replace(run.crossing, speed=float(speeds[i]))
-        moments[i, ramp] = reference_effect(
-            run._replace(crossing=at_speed, profile=road), positions
-        )
+        motion = Motion(float(speeds[i]))
+        moments[i, ramp] = reference_effect(run._replace(profile=road), motion, positions)
     smooth = moments[:, -1]
     unit = (moments[:, :-1] - smooth[:, np.newaxis]) / height
     return DenseHistories(nodes, smooth, np.moveaxis(unit, 1, 2))

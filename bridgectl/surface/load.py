@@ -159,7 +159,7 @@ def _require_fitting_parts(surface: RampSurface) -> None:
     """Check the surface as `ramp_surface` does its arguments, and the arrays against them."""
     _checks.speeds(surface.speeds)
     surface.speeds.flags.writeable = False
-    surface._crossing()
+    _ = surface._crossing
     before = _checks.not_negative("approach", surface.approach, unit="m")
     length = _checks.positive("ramp_length", surface.ramp_length, unit="m")
     _checks.positive("ramp_height", surface.ramp_height, unit="m")

@@ -17,6 +17,7 @@ from bridgectl._units import to_kmh
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import prepare
+from bridgectl.model.effects import Moment
 from bridgectl.road import RoadProfile, ramp_covariance
 from bridgectl.road.spectrum import DEFAULT_BAND
 from bridgectl.surface.class_dae import ClassDae, over_class
@@ -38,7 +39,7 @@ class RampSurface(UnitRamps):
 
     Attributes
     ----------
-    beam, vehicle, section, recovery, effect
+    beam, vehicle, effect
         What was simulated: see `bridgectl.Crossing`.
     approach : float
         Where the vehicle starts before the bridge, and the ramps with it [m].
@@ -69,7 +70,7 @@ class RampSurface(UnitRamps):
     def __repr__(self) -> str:
         kmh = to_kmh(self.speeds)
         rest = "" if self.section == 0.5 else f", section={self.section:g} of the span"
-        rest += "" if self.effect == "moment" else f", effect={self.effect!r}"
+        rest += "" if isinstance(self.effect, Moment) else f", effect={self.effect!r}"
         rest += "" if self.daf_rise is None else ", both ways"
         rest += "" if self.every == 1 else f", computed at one place in {self.every}"
         if isinstance(self.histories, FeedbackHistories):
@@ -298,7 +299,7 @@ class RampSurface(UnitRamps):
         values = np.hstack([self._superposed(part) for part in road_parts(drops.T)])
         for road in np.nonzero(~np.isfinite(values).all(axis=0))[0]:
             again = ~np.isfinite(values[:, road])
-            run = prepare(self._crossing(), self.road(drops[road]), -self.approach)
+            run = prepare(self._crossing, self.road(drops[road]), -self.approach)
             values[again, road] = linear_dafs(run, self.speeds[again])
         return np.asarray(values.T if scales.ndim == 2 else values[:, 0])
 
@@ -306,7 +307,8 @@ class RampSurface(UnitRamps):
         """Superposed DAF of roads, (n_speeds, n_roads); NaN where a tire may leave the road."""
         values = np.empty((len(self.speeds), drops.shape[1]))
         for i in range(len(self.speeds)):
-            values[i] = find_peaks(superposed(self.histories, i, drops)).values
+            peaks = find_peaks(superposed(self.histories, i, drops)).values
+            values[i] = self._crossing.orientation * peaks
         values[self.near_lift_off(drops)] = np.nan
         return values
 

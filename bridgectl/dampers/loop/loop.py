@@ -90,6 +90,8 @@ class Loop:
         now, plan = self._start(), self.plan
         known = 1  # roads whose first ramp has been reached: they follow the first until then
         for rounds, on_bridge in self._chunks():
+            if on_bridge and rounds.start == plan.entry:
+                self._enter(now)
             here = plan.at_work(rounds)
             edges = plan.edges[:here, rounds]
             steps = self.stepper.steps(self.speeds[:here], edges, on_bridge=on_bridge)
@@ -107,8 +109,8 @@ class Loop:
                         observe(view, float(plan.edges[here - 1, k, step + 1]))
         self._follow(now, known, np.inf)
         return LoopResult(
-            now.peak, now.least / self.stepper.weight, now.lift_off, now.energy, now.switches,
-            self._histories(),
+            self.crossing.orientation * now.peak, now.least / self.stepper.weight, now.lift_off,
+            now.energy, now.switches, self._histories(),
         )  # fmt: skip
 
     def _start(self) -> Ends:
@@ -121,6 +123,12 @@ class Loop:
             np.full(shape, -np.inf), np.full(shape, np.inf), np.full(shape, np.inf), zeros.copy(),
             np.zeros(shape, dtype=np.intp),
         )  # fmt: skip
+
+    def _enter(self, now: Ends) -> None:
+        """Know the effect where the rounds on the bridge begin."""
+        per_force, per_state, constant = self.crossing.rows(self.plan.edges[:, self.plan.entry, 0])
+        of_states = np.einsum("n,snr->sr", per_state, now.states[:, 1:])
+        now.moment[:] = per_force * now.force + of_states + constant
 
     def _chunks(self) -> Iterable[tuple[slice, bool]]:
         """Rounds whose steps are made together, and whether they may reach the bridge."""

@@ -212,6 +212,8 @@ class Steps:
     """Piece of the road that each step runs on, (S, K)."""
     share: FloatArray
     """Fractions of that piece behind the stages, the middle and the end, (S, K, 4, 1)."""
+    counted: NDArray[np.bool_]
+    """Whether a step is one of the crossing of the bridge, (S, K)."""
 
 
 def make_steps(
@@ -270,7 +272,10 @@ def make_steps(
     middle = np.clip(x[..., 2], stations[0], stations[-1])
     piece = np.clip(np.searchsorted(stations, middle, side="right") - 1, 0, stations.size - 2)
     share = (x - stations[piece][..., np.newaxis]) / np.diff(stations)[piece][..., np.newaxis]
-    return Steps(free, forced, influence[..., np.newaxis], durations, piece, share[..., np.newaxis])
+    counted = (begin > -SAME_PLACE) & (end < crossing.beam.length + SAME_PLACE)
+    return Steps(
+        free, forced, influence[..., np.newaxis], durations, piece, share[..., np.newaxis], counted
+    )
 
 
 def _add_beam(
