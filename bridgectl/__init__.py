@@ -38,6 +38,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
+from bridgectl._gone import no_attribute
 from bridgectl._version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -66,12 +67,11 @@ if TYPE_CHECKING:
     from bridgectl.surface.expected import SurfaceFileError
     from bridgectl.surface.load import load_surface
     from bridgectl.surface.surface import RampSurface
-    from bridgectl.surface.trust import DaeTrust, dae_trust
+    from bridgectl.surface.trust import dae_trust
 
 __all__ = [
     "Beam",
     "Crossing",
-    "DaeTrust",
     "LiftOffWarning",
     "PlausibilityWarning",
     "ProfileFileError",
@@ -103,7 +103,7 @@ __all__ = [
 _ROOMS = {
     "dampers": "dampers", "extremes": "extremes", "li2006": "paper.li2006",
     "measures": "measures", "passive_theory": "dampers.passive_theory", "plots": "plots",
-    "road": "road", "validation": "paper.validation", "weighting": "measures.weighting",
+    "road": "road",
 }  # fmt: skip
 """Modules that are offered as such, and where they are."""
 
@@ -127,7 +127,7 @@ _HOMES = {
     "surface.expected": ("SurfaceFileError",),
     "surface.load": ("load_surface",),
     "surface.surface": ("RampSurface",),
-    "surface.trust": ("DaeTrust", "dae_trust"),
+    "surface.trust": ("dae_trust",),
 }  # fmt: skip
 """Where the other names are from. All are loaded when they are first used: that takes a second,
 in which the command line must already listen to Ctrl-C, and the dampers bring CasADi."""
@@ -149,4 +149,4 @@ def __getattr__(name: str) -> Any:
         return room
     if not name.startswith("__") and find_spec(f"bridgectl.{name}"):
         return import_module(f"bridgectl.{name}")
-    raise AttributeError(f"module 'bridgectl' has no attribute {name!r}")
+    raise no_attribute("bridgectl", name)

@@ -15,65 +15,39 @@ import textwrap
 from collections.abc import Iterator
 from functools import cached_property
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
 import bridgectl as bc
-from bridgectl import dampers, measures
+from bridgectl import _gone, dampers, measures
 from bridgectl.dampers import passive_theory
+from bridgectl.dampers.optimum.clairvoyant import Clairvoyant
+from bridgectl.dampers.peak_value import peak_value
 from bridgectl.extremes import equal_roughness_pair, extreme_road
 from bridgectl.paper import printed as paper
 from bridgectl.paper.damper_validation import DamperCase, Wrong
 from bridgectl.paper.validation import Case, ValidationResults, WarningLight
-from bridgectl.road import PsdFit, bump
+from bridgectl.road import bump
+from bridgectl.road.psd import PsdFit
 from bridgectl.scoring.agreement import Agreement, Paired, Pairs
 from bridgectl.scoring.board import Scoreboard
 from bridgectl.scoring.rows import MEASURES, ClassRow, Ranking
 
-WITH_ALL = ("bridgectl", *(f"bridgectl.{m}" for m in ("dampers", "extremes", "plots", "road")))
+ROOT = Path(__file__).parents[1]
+ROOMS = ("dampers", "extremes", "measures", "plots", "road")
+WITH_ALL = ("bridgectl", *(f"bridgectl.{room}" for room in ROOMS))
 
 OFFERED = {
-    "bridgectl.animation": ["crossing_animation"],
     "bridgectl.paper.good_roads": ["good_roads"],
     "bridgectl.paper.li2006": ["beam", "car", "fig7_road"],
-    "bridgectl.measures": [
-        "FourthPower",
-        "aggregate_fourth_power",
-        "dynamic_load_coefficient",
-        "largest",
-        "least_force",
-        "peak_to_peak",
-        "rms",
-        "road_stress_factor",
-        "switching_count",
-    ],
-    "bridgectl.scoring.agreement": [
-        "Agreement",
-        "Paired",
-        "Pairs",
-        "agreement",
-        "over_roads",
-        "paired",
-        "pairs_in_order",
-        "rank_correlation",
-    ],
-    "bridgectl.paper.damper_sets": ["known_dampers", "unseen_dampers"],
-    "bridgectl.paper.damper_validation": ["DamperCase", "Wrong", "validate_dampers"],
-    "bridgectl.paper.printed": ["PaperResults", "Row", "paper_results"],
     "bridgectl.dampers.passive_theory": [
-        "InvariantFrequencies",
-        "Variances",
         "comfort_damping",
         "invariant_frequencies",
         "road_damping",
-        "variances",
-        "white_velocity",
     ],
-    "bridgectl.scoring.rows": ["ClassRow", "Ranking", "Row"],
-    "bridgectl.paper.validation": ["Case", "Peak", "ValidationResults", "WarningLight", "validate"],
-    "bridgectl.measures.weighting": ["weighted_acceleration", "weighted_rms", "weighting_filter"],
 }
 """Public names of modules without ``__all__``; what else is there is for the package itself."""
 
@@ -160,14 +134,20 @@ def _fields(cls: type) -> dict[str, str]:
     }
 
 
+def _names() -> list[tuple[str, str]]:
+    """Modules, and names that they offer."""
+    return [
+        (module, name)
+        for module in (*WITH_ALL, *OFFERED)
+        for name in OFFERED.get(module) or importlib.import_module(module).__all__
+    ]
+
+
 def _offers() -> Iterator[Offer]:
     seen = set()
-    for module in (*WITH_ALL, *OFFERED):
-        package = importlib.import_module(module)
-        for name in OFFERED.get(module, getattr(package, "__all__", ())):
-            thing = getattr(package, name)
-            if not callable(thing) or id(thing) in seen:
-                continue
+    for module, name in _names():
+        thing = getattr(importlib.import_module(module), name)
+        if callable(thing) and id(thing) not in seen:
             seen.add(id(thing))
             yield Offer(f"{module}.{name}", thing)
             if inspect.isclass(thing):
@@ -220,6 +200,41 @@ def _returned(offer: Offer) -> str:
 
 def _has_unit(text: str) -> bool:
     return any(pattern.search(text) for pattern in (UNIT, DIMENSIONLESS, ELSEWHERE))
+
+
+def test_there_are_at_most_80_public_names_and_each_is_offered_once():
+    names = [name for _, name in _names()]
+    assert len(TOP) <= 80
+    assert sorted(names) == sorted({*names})
+
+
+def test_readme_and_notebooks_import_what_is_offered():
+    """But for the look of figures, and the inside of bridgehook, which one notebook opens."""
+    files = [ROOT / "README.md", *ROOT.glob("notebooks/*.ipynb")]
+    text = "".join(path.read_text(encoding="utf-8").replace("\\n", "\n") for path in files)
+    text = re.sub(r'[ "]+,\n +"', "\n", text)  # lines of a notebook's source
+    named = re.findall(r"from (bridgectl[\w.]*) import (\([^)]+\)|.+)", text)
+    found = {(module, name) for module, names in named for name in re.findall(r"\w+", names)}
+    found |= {("bridgectl", name) for name in re.findall(r"\bbc\.(\w+)", text)}
+    offered = {*_names(), *(("bridgectl", room) for room in bc._ROOMS)}
+    inside = {("bridgectl.plots", "style"), ("bridgectl.dampers.peak_value", "peak_value")}
+    assert len(found) > 40
+    assert found - offered == inside
+
+
+GONE = [(f"bridgectl{room}", name) for room, names in _gone._INSTEAD.items() for name in names]
+
+
+@pytest.mark.parametrize(("module", "name"), GONE)
+def test_a_name_that_went_is_an_error_that_says_what_to_type(module, name):
+    with pytest.raises(AttributeError, match=rf"^module '{module}' has no .*'{name}': type \S"):
+        getattr(importlib.import_module(module), name)
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_name_that_never_was_is_a_plain_error(room):
+    with pytest.raises(AttributeError, match=rf"^module 'bridgectl.{room}' .* 'absent'$"):
+        _ = getattr(bc, room).absent
 
 
 @pytest.mark.parametrize("name", bc.__all__)
@@ -300,11 +315,11 @@ def things(bridge, truck):
         bridge, truck, truck.linear, bc.Crossing(bridge, truck, 25.0), road, surface, board,
         *[board.rows()[0], board.difference("skyhook"), bc.dae_trust(surface, road)],
         dampers.skyhook(1e3, 30e3), hook, dampers.preset(1e3, 30e3), dampers.Damper(hook, lag=0.01),
-        dampers.costate(bridge, truck, 25.0), dampers.peak_value(bridge, truck, 25.0, 1e3, 30e3),
+        dampers.costate(bridge, truck, 25.0), peak_value(bridge, truck, 25.0, 1e3, 30e3),
         dampers.simulate_loop(bridge, truck, *loop, record=["tire_force"]),
         bc.ramp_heights(bridge, truck, dampers.passive(7e3), 25.0, 5.0, approach=0.0),
         dampers.program_sensitivity(bridge, truck, 25.0, [0], [7e3], road.x, road.elevation),
-        dampers.Clairvoyant(1.0, 1.1, x, 1e3 + x, 0.01, 1e3, 30e3, "solved"),
+        Clairvoyant(1.0, 1.1, x, 1e3 + x, 0.01, 1e3, 30e3, "solved"),
         equal_roughness_pair(surface, road, 25.0), extreme_road(surface, speed=25.0),
         PsdFit(16e-6, 2.0), bc.utia_road().psd(), bump(-5.0, length=1.0, height=0.03),
         measures.aggregate_fourth_power(1e5 + 0 * x, 1e5, x),
@@ -326,6 +341,17 @@ def test_every_class_shows_itself_in_one_line_with_units(things):
         assert QUANTITY.search(text) or isinstance(thing, DIMENSIONLESS_CLASSES), text
     classes = {offer.thing for offer in TOP.values() if offer.is_class and not offer.is_error}
     assert classes <= {type(thing) for thing in things}
+
+
+def test_the_numbers_of_every_result_have_units_or_say_that_they_have_none(things):
+    for result in {type(thing) for thing in things}:
+        owners = [c for c in result.__mro__ if c.__module__.startswith("bridgectl")]
+        told = {key: text for c in owners for key, text in Offer(c.__name__, c).told.items()}
+        fields = {*getattr(result, "_fields", ()), *getattr(result, "__dataclass_fields__", ())}
+        for owner in owners:
+            for name, annotation in inspect.get_annotations(owner).items():
+                if name in fields and NUMBERS.search(str(annotation)) and name[0] != "_":
+                    assert _has_unit(told.get(name, "")), f"{owner.__name__}: {name}"
 
 
 def test_a_crossing_and_a_damper_tell_every_parameter(bridge, truck):

@@ -99,25 +99,8 @@ def mirror_mean(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the mean simulated DAF of roads and their mirror images, and its standard error.
 
-    In a pair the odd effects of ramps cancel; the pairs are the independent samples.
-
-    Parameters
-    ----------
-    surface : RampSurface
-        What is crossed, and the speeds.
-    roads : ndarray, shape (n_pairs, n_ramps + 1)
-        Elevations at its stations [m].
-    damper : Damper or Strategy, optional
-        The damper that the surface was made with; needed if it is semi-active.
-
-    Returns
-    -------
-    mean, standard_error : ndarray, shape (n_speeds,)
-
-    Raises
-    ------
-    TypeError, ValueError
-        If `damper` is missing or another than the surface's.
+    In a pair the odd effects of ramps cancel; the pairs are the independent samples. The roads are
+    elevations [m], shape (n_pairs, n_ramps + 1); a damper must be the surface's own.
     """
     device = None if damper is None else as_damper(damper)
     both = np.vstack([roads, -roads])
