@@ -28,7 +28,7 @@ class RoadEvent:
     Attributes
     ----------
     x : ndarray, shape (n,)
-        Two stations [m] or more, each more than 1e-9 m past the one before, from the bridge's start.
+        Two stations [m] or more, each more than 1e-9 m past the one before it.
     rise : ndarray, shape (n,)
         Change of elevation [m], positive up; it begins with 0 and stays as it is after the last.
     """
