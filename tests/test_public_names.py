@@ -8,6 +8,7 @@ another class of the package.
 import ast
 import importlib
 import inspect
+import json
 import re
 import subprocess
 import sys
@@ -208,18 +209,31 @@ def test_there_are_at_most_80_public_names_and_each_is_offered_once():
     assert sorted(names) == sorted({*names})
 
 
-def test_readme_and_notebooks_import_what_is_offered():
-    """But for the look of figures, and the inside of bridgehook, which one notebook opens."""
-    files = [ROOT / "README.md", *ROOT.glob("notebooks/*.ipynb")]
-    text = "".join(path.read_text(encoding="utf-8").replace("\\n", "\n") for path in files)
-    text = re.sub(r'[ "]+,\n +"', "\n", text)  # lines of a notebook's source
+def _used(text: str) -> set[tuple[str, str]]:
+    """Modules and names that Python in a text imports of bridgectl, and attributes of bc."""
     named = re.findall(r"from (bridgectl[\w.]*) import (\([^)]+\)|.+)", text)
     found = {(module, name) for module, names in named for name in re.findall(r"\w+", names)}
-    found |= {("bridgectl", name) for name in re.findall(r"\bbc\.(\w+)", text)}
-    offered = {*_names(), *(("bridgectl", room) for room in bc._ROOMS)}
+    return found | {("bridgectl", name) for name in re.findall(r"\bbc\.(\w+)", text)}
+
+
+KNOWN = {*_names(), *(("bridgectl", room) for room in bc._ROOMS)}
+
+
+def test_readme_and_notebooks_use_what_is_offered():
+    """But for the look of figures, and the inside of bridgehook, which one notebook opens."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    for path in ROOT.glob("notebooks/*.ipynb"):
+        cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+        text += "".join("\n" + "".join(cell["source"]) for cell in cells)
     inside = {("bridgectl.plots", "style"), ("bridgectl.dampers.peak_value", "peak_value")}
-    assert len(found) > 40
-    assert found - offered == inside
+    assert len(_used(text)) > 40
+    assert _used(text) - KNOWN == inside
+
+
+@pytest.mark.parametrize("name", TOP)
+def test_examples_use_what_is_offered(name):
+    for offer in _with_members(name):
+        assert _used(offer.sections.get("Examples", "")) <= KNOWN, offer.name
 
 
 GONE = [(f"bridgectl{room}", name) for room, names in _gone._INSTEAD.items() for name in names]

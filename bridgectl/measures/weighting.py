@@ -113,7 +113,7 @@ def weighted_rms(acceleration: ArrayLike, sample_time: float, *, skip: float = 0
     Examples
     --------
     >>> import numpy as np
-    >>> from bridgectl.measures.weighting import weighted_rms
+    >>> from bridgectl.measures import weighted_rms
     >>> hop = np.sin(2 * np.pi * 6.3 * np.arange(0, 10, 0.001))
     >>> print(weighted_rms(hop, 0.001, skip=5.0).round(3))
     0.745

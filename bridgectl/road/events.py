@@ -98,7 +98,7 @@ def add_events(road: RoadProfile, *events: RoadEvent) -> RoadProfile:
 
     Examples
     --------
-    >>> from bridgectl.road import RoadProfile
+    >>> from bridgectl import RoadProfile
     >>> from bridgectl.road import add_events, bump, step
     >>> smooth = RoadProfile([-100, 25], [0, 0], name="smooth")
     >>> add_events(smooth, step(0.0, 0.020), bump(-5.0, length=1.0, height=0.030))

@@ -51,7 +51,7 @@ class RoadProfile(Elevations):
     --------
     A 1 mm drop over 100 mm, the paper's unit ramp, 3 m past the start of the bridge:
 
-    >>> from bridgectl.road import RoadProfile
+    >>> from bridgectl import RoadProfile
     >>> road = RoadProfile([-10, 3.0, 3.1, 25], [0, 0, -0.001, -0.001], name="unit ramp")
     >>> road
     RoadProfile('unit ramp', 4 points, x from -10 m to 25 m, elevation from -0.001 m to 0 m, \
