@@ -90,11 +90,11 @@ def calibrated_class_dae(
     step = surface.ramp_length
     length = step * len(surface.positions)
     roads = iso8608_elevations(count, roughness, length, step, seed=seed, **spectrum)
-    mean, error = mirror_mean(surface, roads, damper)
+    mean, error = _mirror_mean(surface, roads, damper)
     return replace(closed, mean=mean, mirror_pairs=count, standard_error=error)
 
 
-def mirror_mean(
+def _mirror_mean(
     surface: RampSurface, roads: FloatArray, damper: Damper | Strategy | None
 ) -> tuple[FloatArray, FloatArray]:
     """Return the mean simulated DAF of roads and their mirror images, and its standard error.
