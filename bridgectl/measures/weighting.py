@@ -82,12 +82,14 @@ def weighted_rms(acceleration: ArrayLike, sample_time: float, *, skip: float = 0
     The weighting starts at rest, and its 0.4 Hz high pass needs 2.6 s to forget 99 % of how it
     started; a crossing lasts 1 or 2 s. Pass the approach too, 3 s or more of it, and `skip` it:
     it then runs through the filter without being counted. The body of a truck bounces near
-    that 0.4 Hz, so report `rms` of the same history beside it.
+    that 0.4 Hz, so report the plain root mean square of the same history beside it.
 
     Parameters
     ----------
-    acceleration, sample_time
-        As `weighted_acceleration`.
+    acceleration : array_like, shape (..., n)
+        Vertical accelerations [m/s^2], linear between samples.
+    sample_time : float
+        Time between samples [s].
     skip : float
         Time at the beginning that does not count [s].
 
@@ -99,16 +101,17 @@ def weighted_rms(acceleration: ArrayLike, sample_time: float, *, skip: float = 0
     Raises
     ------
     TypeError, ValueError
-        As `weighted_acceleration`; if `skip` leaves no sample.
+        If the accelerations are not finite numbers, `sample_time` is not above 0 s, or `skip`
+        leaves no sample.
 
     Warns
     -----
     UserWarning
-        As `weighted_acceleration`.
+        If the samples are too far apart for 80 Hz.
 
     References
     ----------
-    ISO 2631-1:1997, Section 6.1.
+    ISO 2631-1:1997, Section 6.1 and Annex A.
 
     Examples
     --------
