@@ -46,7 +46,7 @@ def test_a_place_in_metres_is_a_section_and_a_name_is_its_effect(bridge, truck, 
 
 def test_effects_are_values_that_tell_what_they_are():
     assert bc.Moment(10) == bc.Moment(at=10.0)
-    assert repr(bc.Moment(10, sense="smallest")) == "Moment(at=10.0, sense='smallest')"
+    assert repr(bc.Moment(10, sense="smallest")) == "Moment(at=10 m, sense='smallest')"
     assert repr(LEAST) == "TireForce(sense='smallest', tire=1)"
 
 
@@ -80,7 +80,9 @@ def test_what_is_no_effect_or_no_factor_is_told(bridge, truck, options, message)
 
 
 def test_an_effect_of_no_kind_is_an_error(bridge, truck):
-    with pytest.raises(TypeError, match=r"effect must be one of .*, or as Moment.* speeds go with daf"):
+    with pytest.raises(
+        TypeError, match=r"effect must be one of .*, or as Moment.* speeds go with daf"
+    ):
         bc.Crossing(bridge, truck, 25.0)
     with pytest.raises(ValueError, match="sense must be one of 'largest', 'smallest'"):
         bc.Moment(10.0, sense="hogging")

@@ -163,7 +163,11 @@ def test_a_file_tells_what_it_holds_without_bridgectl(surface, tmp_path):
         if not name.startswith("vehicle."):
             assert len(header["arrays"][name]["axes"]) == array.ndim, name
     parts = {name for name in header["parameters"] if "." in name}
-    assert parts - header["units"].keys() <= {"vehicle.coordinates", "effect.recovery", "effect.sense"}
+    assert parts - header["units"].keys() <= {
+        "vehicle.coordinates",
+        "effect.recovery",
+        "effect.sense",
+    }
 
 
 def test_a_new_field_of_a_surface_is_saved_without_further_ado(small, tmp_path, monkeypatch):

@@ -307,9 +307,8 @@ def _run_profile(args: argparse.Namespace) -> None:
         roads = bc.read_tracks(args.file, **file_arguments(args))
     tracks = [measure_track(road, args.segment) for road in roads]
     if args.plot is not None:
-        from bridgectl.plots import profile_figure
-
-        figure = profile_figure([track.road for track in tracks], args.segment)
+        first, *others = (track.road for track in tracks)
+        figure = first.plot_roughness(*others, segment=args.segment)
         save_figure(figure, args.plot)
     if args.json:
         print(json.dumps(profile_json(tracks, args.segment), indent=1))
@@ -326,7 +325,7 @@ def _run_paper(args: argparse.Namespace) -> None:
     with working("computing the paper's surfaces"):
         results = paper_results()
     if args.plot is not None:
-        from bridgectl.plots import paper_figure
+        from bridgectl.plots.paper import paper_figure
 
         save_figure(paper_figure(results), args.plot)
     if args.json:
@@ -358,7 +357,7 @@ def _run_validate(args: argparse.Namespace) -> None:
         roads = good_roads()
     results = validate(speeds, spans, roads=roads)
     if args.plot is not None:
-        from bridgectl.plots import validation_figure
+        from bridgectl.plots.validation import validation_figure
 
         with working("drawing"):
             save_figure(validation_figure(results), args.plot)
@@ -381,7 +380,7 @@ def _run_validate_dampers(args: argparse.Namespace) -> None:
     with resumed(args.resume):
         cases = validate_dampers(speeds, spans, pairs, resume=args.resume, workers=args.workers)
     if args.plot is not None:
-        from bridgectl.plots import damper_validation_figure
+        from bridgectl.plots.damper_validation import damper_validation_figure
 
         save_figure(damper_validation_figure(cases), args.plot)
     if args.json:

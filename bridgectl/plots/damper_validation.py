@@ -17,25 +17,6 @@ def damper_validation_figure(cases: Sequence[DamperCaseShown]) -> Figure:
     """Draw the class DAE of every damper over its simulated mean DAF, and the mean of Eq. (15).
 
     A row for each road class, a column for each bridge.
-
-    Parameters
-    ----------
-    cases : sequence of DamperCase
-        See `bridgectl.paper.damper_validation.validate_dampers`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.paper.damper_validation import DamperCase
-    >>> from bridgectl.plots import damper_validation_figure
-    >>> daf = 1 + np.random.default_rng(0).normal(0, 0.1, (3, 2, 4, 1))
-    >>> case = DamperCase(25.0, "A", ("a", "b", "c"), 2, daf, daf, daf, daf.mean(axis=(1, 2, 3)))
-    >>> damper_validation_figure([case]).axes[0].get_xlabel()
-    'simulated mean DAF [-]'
     """
     spans = list(dict.fromkeys(case.span for case in cases))
     classes = list(dict.fromkeys(case.road_class for case in cases))

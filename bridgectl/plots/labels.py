@@ -39,22 +39,10 @@ def label_points(
     colors: Sequence[str],
     size: float = 8.0,
 ) -> None:
-    """Write a label beside each point.
+    """Write a label of some size [points] beside each of the points (n, 2), in data coordinates.
 
-    The axes must have their limits and their place in the figure: no layout may move them later.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Where the points are.
-    points : ndarray, shape (n, 2)
-        What is labelled, in data coordinates.
-    texts, colors : sequence of str
-        The labels and their colours.
-    obstacles, curve : ndarray, shapes (m, 2) and (k, 2)
-        Points that no label may cover, and corners of a curve that labels should keep off.
-    size : float, optional
-        Of the letters [points].
+    No label covers an obstacle (m, 2), and labels keep off the corners (k, 2) of a curve. The axes
+    must have their limits and their place in the figure: no layout may move them later.
     """
     scale = 72.0 / ax.figure.dpi
     at, points_at = (ax.transData.transform(p) * scale for p in (points, obstacles))

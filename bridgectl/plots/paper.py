@@ -11,28 +11,7 @@ from bridgectl.plots.surface import smooth_daf_plot, surface_plot
 
 @styled
 def paper_figure(results: PaperShown) -> Figure:
-    """Draw Figs. 2, 5(a), 5(b), 6(a) and 6(b) of the paper as computed.
-
-    Parameters
-    ----------
-    results : PaperResults
-        See `bridgectl.paper.printed.paper_results`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Figs. 2, 5 and 6.
-
-    Examples
-    --------
-    >>> from bridgectl.paper.printed import paper_results
-    >>> from bridgectl.plots import paper_figure
-    >>> paper_figure(paper_results()).axes[0].get_title(loc="left")
-    'Fig. 2: DAF of a smooth road'
-    """
+    """Draw Figs. 2, 5(a), 5(b), 6(a) and 6(b) of the paper as computed."""
     figure = Figure(figsize=(10.0, 10.5), layout="constrained")
     panels = figure.subplot_mosaic([["2", "2"], ["5(a)", "5(b)"], ["6(a)", "6(b)"]])
     top = smooth_daf_plot(results.unit, panels["2"])

@@ -15,17 +15,7 @@ MARKERS = "os^vD"
 
 
 def draw_class_dae(ax: Axes, board: BoardShown, colors: Mapping[str, str]) -> None:
-    """Draw every strategy's class DAE, and mean of Eq. (15), over its simulated mean DAF.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Where to draw.
-    board : Scoreboard
-        The scores.
-    colors : mapping of str to str
-        Colours of strategies that stand out.
-    """
+    """Draw every strategy's class DAE, and mean of Eq. (15), over its simulated mean DAF."""
     rankings, classes = board.rankings(), np.array(board.road_classes)
     for name, marker in zip(board.surfaces, MARKERS, strict=False):
         rows = {row.strategy: row for row in board.class_rows(name)}
@@ -51,15 +41,7 @@ def draw_class_dae(ax: Axes, board: BoardShown, colors: Mapping[str, str]) -> No
 
 
 def draw_gains(ax: Axes, board: BoardShown, road_class: str, colors: Mapping[str, str]) -> None:
-    """Draw what a class adds to the DAE for each metre of road: the area is all it adds.
-
-    Parameters
-    ----------
-    ax, board, colors
-        As `draw_class_dae`.
-    road_class : str
-        The class.
-    """
+    """Draw what a class adds to the DAE for each metre of road: the area is all it adds."""
     for name, color in colors.items():
         surface = board.surfaces[road_class][board.strategies.index(name)]
         x = surface.positions[:: surface.every]

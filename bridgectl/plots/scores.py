@@ -41,36 +41,12 @@ def score_figure(board: BoardShown) -> Figure:
     """Draw what strategies do to a bridge, against what they do to ride and road.
 
     Above: mean DAF of each strategy against body acceleration and dynamic load coefficient, with
-    the line of the constant dampers. Below: mean DAF over the speed; DAEs over the mean DAF, of
-    each road class and by Eq. (15); and where along the road ramps of both signs raise or lower
-    the DAF for the best, the first and the worst strategy: the area under a line is what the class
-    adds to the DAF of a smooth road. If no class has a surface: Eq. (15) over the speed instead.
-
-    Parameters
-    ----------
-    board : Scoreboard
-        See `bridgectl.score`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    References
-    ----------
-    C. Poussot-Vassal, C. Spelta, O. Sename, S. M. Savaresi, L. Dugard, Annual Reviews in Control 36
-    (2012) 148-160: strategies as points beside the line of the constant dampers.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.dampers import passive
-    >>> from bridgectl.plots import score_figure
-    >>> board = bc.score(
-    ...     [passive(7e3), passive(1e3)], bc.li2006.beam(), bc.li2006.car(),
-    ...     [bc.iso8608_profile("A", 35, seed=0, start=-10)], 25.0, approach=10, workers=1)
-    >>> [axes.get_xlabel() for axes in score_figure(board).axes]
-    ['mean DAF [-]', 'mean DAF [-]', 'speed [km/h]', 'mean DAF [-]', 'x from the start of the \
-bridge [m]']
+    the line of the constant dampers, as C. Poussot-Vassal, C. Spelta, O. Sename, S. M. Savaresi and
+    L. Dugard draw it, Annual Reviews in Control 36 (2012) 148-160. Below: mean DAF over the speed;
+    DAEs over the mean DAF, of each road class and by Eq. (15); and where along the road ramps of
+    both signs raise or lower the DAF for the best, the first and the worst strategy: the area under
+    a line is what the class adds to the DAF of a smooth road. If no class has a surface: Eq. (15)
+    over the speed instead.
     """
     figure = Figure(figsize=(11.5, 9.8))
     looks = _looks(board)

@@ -24,31 +24,7 @@ FEW = 15
 
 @styled
 def smooth_daf_plot(surface: SurfaceShown, ax: Axes | None = None) -> Axes:
-    """Draw the DAF of a smooth road over the speed, Fig. 2 of the paper.
-
-    Parameters
-    ----------
-    surface : RampSurface
-        The ramp surface of bridge and vehicle.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure if omitted.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Fig. 2.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.plots import smooth_daf_plot
-    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
-    >>> smooth_daf_plot(surface).get_ylabel()
-    'DAF, smooth road [-]'
-    """
+    """Draw the DAF of a smooth road over the speed, Fig. 2 of the paper."""
     ax = new_axes(ax)
     ax.plot(*curve_of(surface, surface.daf_smooth), color=BLACK, **dots_of(surface))
     ax.set(xlabel=SPEED_LABEL, ylabel="{}, smooth road [{}]".format(*surface.quantity))
@@ -59,34 +35,9 @@ def smooth_daf_plot(surface: SurfaceShown, ax: Axes | None = None) -> Axes:
 def surface_plot(
     surface: SurfaceShown, *, difference: bool = False, ax: Axes | None = None
 ) -> Axes:
-    """Draw the DAF of a ramp over its place and the speed: Figs. 5 and 6 of the paper.
+    """Draw the DAF of a ramp over its place and the speed, Figs. 5(a) and 6(a) of the paper.
 
-    Parameters
-    ----------
-    surface : RampSurface
-        A ramp surface of two speeds or more.
-    difference : bool, optional
-        Draw what the ramp changes, DAF_unit - DAF_smooth (Figs. 5(b) and 6(b)), in place of
-        DAF_unit itself (Figs. 5(a) and 6(a)).
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure if omitted.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    ValueError
-        If the surface has one speed only.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.plots import surface_plot
-    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
-    >>> surface_plot(surface).get_title(loc="left")
-    'DAF with a 1 mm drop over 0.1 m'
+    Or what the ramp changes, DAF_unit - DAF_smooth, Figs. 5(b) and 6(b).
     """
     if len(surface.speeds) < 2:
         raise ValueError("surface must have two speeds or more to be drawn, got one")
@@ -116,50 +67,10 @@ def surface_plot(
     return ax
 
 
-@styled
-def lines_plot(
-    surface: SurfaceShown,
-    speeds: ArrayLike | None = None,
-    *,
-    difference: bool = False,
-    ax: Axes | None = None,
-) -> Axes:
-    """Draw the DAF of a ramp over its place, one line a speed: cuts through Figs. 5 and 6.
-
-    Parameters
-    ----------
-    surface : RampSurface
-        The ramp surface of bridge and vehicle.
-    speeds : array_like, optional
-        Speeds [m/s], of which the surface's nearest are drawn; five across its range if omitted.
-    difference : bool, optional
-        Draw what the ramp changes, DAF_unit - DAF_smooth, in place of DAF_unit itself.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure if omitted.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.plots import lines_plot
-    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
-    >>> [line.get_label() for line in lines_plot(surface).lines]
-    ['90 km/h', '108 km/h']
-    """
-    ax = new_axes(ax)
-    draw_lines(ax, surface, surface.daf_difference if difference else surface.daf_unit, speeds)
-    ax.set(xlabel=PLACE_LABEL, ylabel=_label(surface, difference))
-    ax.legend()
-    return ax
-
-
 def draw_lines(
     ax: Axes, surface: SurfaceShown, values: FloatArray, speeds: ArrayLike | None
 ) -> None:
-    """Draw values (n_speeds, n_ramps) over the places, one line a speed: see `lines_plot`."""
+    """Draw values (n_speeds, n_ramps) over the places, one line a speed."""
     ends = surface.speeds.min(), surface.speeds.max()
     wanted = np.linspace(*ends, N_LINES) if speeds is None else np.atleast_1d(np.asarray(speeds))
     nearest = np.unique(np.abs(surface.speeds - wanted[:, np.newaxis]).argmin(axis=1))

@@ -34,26 +34,7 @@ ROUND_OFF = 1e-6
 def validation_figure(results: ValidationShown) -> Figure:
     """Draw DAF and DAE over speed of every road on every bridge, and the peaks of all.
 
-    Parameters
-    ----------
-    results : ValidationResults
-        See `bridgectl.paper.validation.validate`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Figs. 8, 9 and 11.
-
-    Examples
-    --------
-    >>> from bridgectl.plots import validation_figure
-    >>> from bridgectl.paper.validation import validate
-    >>> figure = validation_figure(validate([29.0, 30.0], spans=[25], starts=[0]))
-    >>> len(figure.axes)  # elevation and amplification of eight roads, and the peaks
-    18
+    As Figs. 8, 9 and 11 of the paper.
     """
     groups, n_roads = results.groups, len(results.roads)
     width = ROAD + COLUMN * max(len(groups), 4)
