@@ -38,6 +38,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
+from bridgectl._gone import no_attribute
 from bridgectl._version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -69,13 +70,12 @@ if TYPE_CHECKING:
     from bridgectl.surface.expected import SurfaceFileError
     from bridgectl.surface.load import load_surface
     from bridgectl.surface.surface import RampSurface
-    from bridgectl.surface.trust import DaeTrust, dae_trust
+    from bridgectl.surface.trust import dae_trust
 
 __all__ = [
     "Beam",
     "BodyAcceleration",
     "Crossing",
-    "DaeTrust",
     "Deflection",
     "LiftOffWarning",
     "Moment",
@@ -113,9 +113,12 @@ __all__ = [
 _ROOMS = {
     "dampers": "dampers", "extremes": "extremes", "li2006": "paper.li2006",
     "measures": "measures", "passive_theory": "dampers.passive_theory", "plots": "plots",
-    "road": "road", "validation": "paper.validation", "weighting": "measures.weighting",
+    "road": "road",
 }  # fmt: skip
 """Modules that are offered as such, and where they are."""
+
+_MOVED = {"validation": "paper.validation", "weighting": "measures.weighting"}
+"""Modules that are found where they once were."""
 
 _HOMES = {
     "_plausible": ("PlausibilityWarning",),
@@ -140,7 +143,7 @@ _HOMES = {
     "surface.expected": ("SurfaceFileError",),
     "surface.load": ("load_surface",),
     "surface.surface": ("RampSurface",),
-    "surface.trust": ("DaeTrust", "dae_trust"),
+    "surface.trust": ("dae_trust",),
 }  # fmt: skip
 """Where the other names are from. All are loaded when they are first used: that takes a second,
 in which the command line must already listen to Ctrl-C, and the dampers bring CasADi."""
@@ -157,9 +160,9 @@ def __getattr__(name: str) -> Any:
     if home is not None:
         globals()[name] = found = getattr(import_module(f"bridgectl.{home}"), name)
         return found
-    if name in _ROOMS:
-        globals()[name] = room = import_module(f"bridgectl.{_ROOMS[name]}")
+    if where := (_ROOMS | _MOVED).get(name):
+        globals()[name] = room = import_module(f"bridgectl.{where}")
         return room
     if not name.startswith("__") and find_spec(f"bridgectl.{name}"):
         return import_module(f"bridgectl.{name}")
-    raise AttributeError(f"module 'bridgectl' has no attribute {name!r}")
+    raise no_attribute("bridgectl", name)

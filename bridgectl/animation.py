@@ -81,8 +81,7 @@ def crossing_animation(
     >>> import tempfile
     >>> from pathlib import Path
     >>> import bridgectl as bc
-    >>> from bridgectl.animation import crossing_animation
-    >>> animation = crossing_animation(bc.li2006.beam(), bc.li2006.car(), 110 / 3.6, frames=3)
+    >>> animation = bc.crossing_animation(bc.li2006.beam(), bc.li2006.car(), 110 / 3.6, frames=3)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     animation.save(Path(folder) / "crossing.gif", writer="pillow")
     ...     (Path(folder) / "crossing.gif").read_bytes()[:6]

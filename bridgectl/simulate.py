@@ -15,12 +15,17 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
-from bridgectl._places import SAME_PLACE, count_pieces
+from bridgectl._places import count_pieces
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
-from bridgectl._units import to_kmh
 from bridgectl.linear.estimates import require_surface
-from bridgectl.linear.response import METHODS, linear_dafs, linear_response
+from bridgectl.linear.response import (
+    METHODS,
+    as_response,
+    checked_times,
+    linear_dafs,
+    linear_response,
+)
 from bridgectl.linear.runs import Run, prepare
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing
@@ -132,16 +137,16 @@ def crossing_response(
     after = _checks.not_negative("tail", tail, unit="s")
     run = run._replace(end=motion.position(motion.time(run.end) + after) if after else run.end)
     judge_crossing(crossing, motion.speed, profile)
-    asked = None if timepts is None else motion.position(_times(timepts, run, motion))
+    asked = None if timepts is None else motion.position(checked_times(timepts, run, motion))
     if damper is None:
-        return _as_response(run, motion, *linear_response(run, motion, asked, method))
+        return as_response(run, motion, *linear_response(run, motion, asked, method))
     from bridgectl.dampers.loop.damped import damped_response
 
     bare, device = _fast(vehicle, damper, method)
     judge_range(bare, device)
     places = np.zeros(0) if asked is None else asked
     bare_run, *found = damped_response(run, motion.speed, device, places)
-    return _as_response(bare_run, motion, *found)
+    return as_response(bare_run, motion, *found)
 
 
 @on_one_thread
@@ -435,48 +440,3 @@ def _require_factor(crossing: Crossing) -> None:
             f"effect must have a static peak for a factor, and the {effect.sense} static "
             f"{effect.label} of {effect!r} is 0 {effect.unit}: type peak_effect(...) for its peak"
         )
-
-
-def _as_response(
-    run: Run,
-    motion: Motion,
-    positions: FloatArray,
-    states: FloatArray,
-    forces: FloatArray,
-    damper: FloatArray | None = None,
-) -> control.TimeResponseData:
-    crossing = run.crossing
-    if damper is None:
-        damper = np.zeros((len(crossing.linear.damper_map), len(positions)))
-    return control.TimeResponseData(
-        motion.time(positions),
-        crossing.outputs(positions, states, forces, damper),
-        states,
-        np.vstack([run.road(positions).T, damper]),
-        issiso=False,
-        output_labels=crossing.output_labels,
-        state_labels=crossing.state_labels,
-        input_labels=crossing.input_labels,
-        sysname="crossing",
-        title=f"Crossing at {to_kmh(motion.speed):g} km/h",
-        params={
-            "speed": motion.speed,
-            "section": crossing.section,
-            "recovery": crossing.recovery,
-            "start": run.start,
-        },
-    )
-
-
-def _times(timepts: ArrayLike, run: Run, motion: Motion) -> FloatArray:
-    times = _checks.array("timepts", timepts, (None,), unit="s")
-    first, last = motion.time(run.start), motion.time(run.end)
-    slack = SAME_PLACE / motion.speed
-    if times.size < 2 or np.any(np.diff(times) <= 0):
-        raise ValueError("timepts must hold two or more increasing times [s]")
-    if times[0] < first - slack or times[-1] > last + slack:
-        raise ValueError(
-            f"timepts must lie within the crossing, {first:g} s to {last:g} s, "
-            f"got {times[0]:g} s to {times[-1]:g} s"
-        )
-    return times

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from bridgectl._places import count_pieces, even_places, whole_pieces
-from bridgectl.measures.history import half_of_range
 from bridgectl.road.elevations import drops_of
 from bridgectl.surface.ramps import ends_of_ramps, one_ramp
 
@@ -26,10 +25,3 @@ def test_a_ramp_that_falls_has_a_positive_drop_from_its_end_on():
     roads = one_ramp(ends, 1, np.array([0.01, -0.02]))
     assert drops_of(roads).T.tolist() == [[0, 0, 0.01, 0.01], [0, 0, -0.02, -0.02]]
     assert one_ramp(ends, 1, 0.01).tolist() == roads[0].tolist()
-
-
-def test_a_command_is_in_the_stiff_half_the_soft_one_or_the_dead_band():
-    commands = np.array([1e3, 15e3, 15.5e3, 16e3, 30e3])
-    assert half_of_range(commands, 1e3, 30e3, 0.1).tolist() == [-1, 0, 0, 0, 1]
-    assert half_of_range(commands, 1e3, 30e3).tolist() == [-1, -1, 0, 1, 1]
-    assert half_of_range(np.array([7e3]), 7e3, 7e3).tolist() == [0]  # a constant damper

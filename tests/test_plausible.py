@@ -14,7 +14,8 @@ from helpers import run_command
 
 import bridgectl as bc
 from bridgectl.dampers import Damper, groundhook, passive, simulate_loop, skyhook
-from bridgectl.measures.weighting import weighted_rms
+from bridgectl.measures import weighted_rms
+from bridgectl.measures.loads import road_stress_factor
 from bridgectl.paper.li2006 import DECKS
 from bridgectl.road.footprint import tire_footprint
 
@@ -188,7 +189,7 @@ ENTRIES = {
     "contributions, road in mm": lambda b, c: SURFACE.contributions(STEEP),
     "footprint": lambda b, c: tire_footprint(JUMP, 0.2),
     "weighting": lambda b, c: weighted_rms(np.ones(50), 0.05),
-    "measures": lambda b, c: bc.measures.road_stress_factor(np.zeros(9), 98100.0),
+    "measures": lambda b, c: road_stress_factor(np.zeros(9), 98100.0),
 }
 
 

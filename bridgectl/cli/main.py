@@ -9,6 +9,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
+from importlib import import_module
 from typing import Any, NoReturn
 
 import bridgectl as bc
@@ -221,6 +222,11 @@ def _json(results: dict[str, Any]) -> str:
     return json.dumps(results, indent=1)
 
 
+def _figure(name: str) -> Any:
+    """A figure's function, from a module that is loaded when it is drawn."""
+    return getattr(import_module(f"bridgectl.plots.{name}"), f"{name}_figure")
+
+
 def _run_dae(args: argparse.Namespace) -> None:
     from bridgectl.cli.tables import DaeStudy, dae_json, print_dae
 
@@ -243,7 +249,7 @@ def _run_dae(args: argparse.Namespace) -> None:
     study = DaeStudy(surface, vehicle, road, station, surface.dae(road), superposed, simulated)
     computed = {"superposed": superposed, "simulated": simulated}
     options.deliver(
-        args, lambda: bc.plots.dae_figure(surface, road, **computed),
+        args, lambda: _figure("dae")(surface, road, **computed),
         lambda: _json(dae_json(study)), lambda: print_dae(study),
     )  # fmt: skip
 
@@ -270,8 +276,9 @@ def _run_profile(args: argparse.Namespace) -> None:
     else:
         roads = bc.read_tracks(args.file, **options.file_arguments(args))
     tracks = [measure_track(road, args.segment) for road in roads]
+    first, *others = (track.road for track in tracks)
     options.deliver(
-        args, lambda: bc.plots.profile_figure([track.road for track in tracks], args.segment),
+        args, lambda: first.plot_roughness(*others, segment=args.segment),
         lambda: _json(profile_json(tracks, args.segment)),
         lambda: print_profile(tracks, args.segment),
     )  # fmt: skip
@@ -285,7 +292,7 @@ def _run_paper(args: argparse.Namespace) -> None:
     with options.working("computing the paper's surfaces"):
         results = paper_results()
     options.deliver(
-        args, lambda: bc.plots.paper_figure(results),
+        args, lambda: _figure("paper")(results),
         lambda: _json(paper_json(results)), lambda: print_paper(results),
     )  # fmt: skip
 
@@ -312,7 +319,7 @@ def _run_validate(args: argparse.Namespace) -> None:
         roads = good_roads()
     results = validate(speeds, spans, roads=roads)
     options.deliver(
-        args, lambda: bc.plots.validation_figure(results),
+        args, lambda: _figure("validation")(results),
         lambda: _json(validation_json(results)), lambda: print_validation(results),
     )  # fmt: skip
 
@@ -329,6 +336,6 @@ def _run_validate_dampers(args: argparse.Namespace) -> None:
     with options.resumed(args.resume):
         cases = validate_dampers(speeds, spans, pairs, resume=args.resume, workers=args.workers)
     options.deliver(
-        args, lambda: bc.plots.damper_validation_figure(cases),
+        args, lambda: _figure("damper_validation")(cases),
         lambda: _json(damper_validation_json(cases)), lambda: print_damper_validation(cases),
     )  # fmt: skip

@@ -18,9 +18,10 @@ from bridgectl._version import __version__
 from bridgectl.model.beam import Beam
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.paper.printed import PaperResults
-from bridgectl.road import PsdFit, RoadProfile
+from bridgectl.road import RoadProfile
 from bridgectl.road.iri import BASE, GOOD
 from bridgectl.road.limits import evenly_spaced, mean_step
+from bridgectl.road.psd import PsdFit
 from bridgectl.road.sampling import too_coarse
 from bridgectl.surface.surface import RampSurface
 

@@ -28,13 +28,21 @@ class Prediction:
     """A linear crossing, node by node; `prediction_matrices` tells of the fields."""
 
     positions: FloatArray
+    """[m]"""
     durations: FloatArray
+    """[s]"""
     transitions: FloatArray
+    """Of states [m, m/s]."""
     offsets: FloatArray
+    """Of states [m, m/s]."""
     damper_input: FloatArray
+    """[m/s per N s]"""
     velocity_rows: FloatArray
+    """[m/s] of states [m, m/s]."""
     effect_rows: FloatArray
+    """A factor, of states [m, m/s]."""
     effect_constants: FloatArray
+    """A factor."""
     entry: int
 
     def __repr__(self) -> str:

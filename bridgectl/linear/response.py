@@ -5,11 +5,15 @@ Two routes lead to them: exact cells, and the control library, which they are co
 
 from __future__ import annotations
 
+import control
 import numpy as np
+from numpy.typing import ArrayLike
 
+from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl._progress import track
+from bridgectl._units import to_kmh
 from bridgectl.linear.cells import SAMPLES, bridge_entry, sample_positions
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.lift_off import fly, warn_of_flight, warn_of_flights
@@ -71,6 +75,53 @@ def linear_response(
     if place is not None:
         warn_of_flight(place)
     return nodes[keep], states[:, keep], forces[:, keep]
+
+
+def checked_times(timepts: ArrayLike, run: Run, motion: Motion) -> FloatArray:
+    """Times [s] that a response is asked for, within the crossing."""
+    times = _checks.array("timepts", timepts, (None,), unit="s")
+    first, last = motion.time(run.start), motion.time(run.end)
+    slack = SAME_PLACE / motion.speed
+    if times.size < 2 or np.any(np.diff(times) <= 0):
+        raise ValueError("timepts must hold two or more increasing times [s]")
+    if times[0] < first - slack or times[-1] > last + slack:
+        raise ValueError(
+            f"timepts must lie within the crossing, {first:g} s to {last:g} s, "
+            f"got {times[0]:g} s to {times[-1]:g} s"
+        )
+    return times
+
+
+def as_response(
+    run: Run,
+    motion: Motion,
+    positions: FloatArray,
+    states: FloatArray,
+    forces: FloatArray,
+    damper: FloatArray | None = None,
+) -> control.TimeResponseData:
+    """Return a crossing as python-control does: see `bridgectl.crossing_response`."""
+    crossing = run.crossing
+    if damper is None:
+        damper = np.zeros((len(crossing.linear.damper_map), len(positions)))
+    return control.TimeResponseData(
+        motion.time(positions),
+        crossing.outputs(positions, states, forces, damper),
+        states,
+        np.vstack([run.road(positions).T, damper]),
+        issiso=False,
+        output_labels=crossing.output_labels,
+        state_labels=crossing.state_labels,
+        input_labels=crossing.input_labels,
+        sysname="crossing",
+        title=f"Crossing at {to_kmh(motion.speed):g} km/h",
+        params={
+            "speed": motion.speed,
+            "section": crossing.section,
+            "recovery": crossing.recovery,
+            "start": run.start,
+        },
+    )
 
 
 def linear_dafs(

@@ -200,7 +200,19 @@ class Crossing(Equations):
         )
 
     def system(self, motion: Motion, name: str = "crossing") -> control.NonlinearIOSystem:
-        """Return the crossing in a motion as a control system: see `crossing_system`."""
+        """Return the crossing as a control system: see `crossing_system`.
+
+        Parameters
+        ----------
+        motion : Motion
+            How the vehicle moves.
+        name : str, optional
+            Name of the system.
+
+        Returns
+        -------
+        control.NonlinearIOSystem
+        """
         n_tires = self.linear.n_tires
 
         def update(t: float, x: FloatArray, u: FloatArray, _: dict[str, Any]) -> FloatArray:

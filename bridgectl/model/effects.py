@@ -60,28 +60,72 @@ class Effect(ABC):
     def __repr__(self) -> str:
         usual = {"sense": "largest", "recovery": "exact", "at": None}
         own = {each.name: getattr(self, each.name) for each in fields(self)}
-        said = [f"{name}={value!r}" for name, value in own.items() if usual.get(name) != value]
-        return f"{type(self).__name__}({', '.join(sorted(said))})"
+        said = [
+            f"{name}={value:g} m" if name == "at" else f"{name}={value!r}"
+            for name, value in sorted(own.items())
+            if usual.get(name) != value
+        ]
+        return f"{type(self).__name__}({', '.join(said)})"
 
     def on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
-        """Return the effect with all that it leaves open, checked for a bridge and a vehicle."""
-        return self
+        """Return the effect with all that it leaves open, checked for a bridge and a vehicle.
 
-    @abstractmethod
+        Parameters
+        ----------
+        bridge, vehicle
+            See `bridgectl.Crossing`.
+
+        Returns
+        -------
+        Effect
+        """
+        return self._on(bridge, vehicle)
+
     def rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
-        """Rows of the effect with the tires at some places [m], shape (..., n_tires)."""
+        """Rows of the effect with the tires at some places.
 
-    @abstractmethod
-    def static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        """Values as the vehicle creeps across; none of what static loads do not give."""
+        Parameters
+        ----------
+        bridge, vehicle
+            See `bridgectl.Crossing`.
+        tires : ndarray, shape (..., n_tires)
+            Positions of the tires [m].
+
+        Returns
+        -------
+        EffectRows
+        """
+        return self._rows(bridge, vehicle, tires)
 
     def static_peak(self, bridge: BridgeModel, vehicle: Vehicle) -> float:
-        """Largest or smallest value as the vehicle creeps across; 0 where there is none."""
-        values = self.static_values(bridge, vehicle)
+        """Largest or smallest value as the vehicle creeps across; 0 where there is none.
+
+        Parameters
+        ----------
+        bridge, vehicle
+            See `bridgectl.Crossing`.
+
+        Returns
+        -------
+        float
+            In the effect's unit [N m, m or N].
+        """
+        values = self._static_values(bridge, vehicle)
         if not values.size:
             return 0.0
         peak = float(values.max() if self.sense == "largest" else values.min())
         return peak if abs(peak) > NO_FACTOR * np.abs(values).max() else 0.0
+
+    def _on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
+        return self
+
+    @abstractmethod
+    def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
+        """See `rows`."""
+
+    @abstractmethod
+    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
+        """Values as the vehicle creeps across; none of what static loads do not give."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -95,8 +139,7 @@ class _AtSection(Effect):
         if self.at is not None:
             object.__setattr__(self, "at", _checks.not_negative("at", self.at, unit="m"))
 
-    def on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
-        """See `Effect.on`."""
+    def _on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
         if self.at is None:
             return replace(self, at=bridge.length / 2)
         if self.at > bridge.length:
@@ -107,7 +150,18 @@ class _AtSection(Effect):
         return self
 
     def section(self, bridge: BridgeModel) -> float:
-        """The place as a fraction of the bridge's length."""
+        """Return the place as a fraction of the bridge's length.
+
+        Parameters
+        ----------
+        bridge
+            See `bridgectl.Crossing`.
+
+        Returns
+        -------
+        float
+            A fraction.
+        """
         return 0.5 if self.at is None else self.at / bridge.length
 
 
@@ -155,13 +209,11 @@ class Moment(_AtSection):
         super().__post_init__()
         _checks.choice("recovery", self.recovery, RECOVERIES)
 
-    def rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
-        """See `Effect.rows`."""
+    def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
         per_force, of_beam = recover_moment(bridge, self.section(bridge), self.recovery, tires)
         return EffectRows(per_force, _of_states(vehicle, of_beam), 0.0)
 
-    def static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        """See `Effect.static_values`."""
+    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
         section = self.section(bridge)
         line = bridge.influence_line(_static_places(bridge, vehicle, section), section)
         return np.asarray(line @ vehicle.static_loads)
@@ -193,15 +245,13 @@ class Deflection(_AtSection):
     unit: ClassVar[str] = "m"
     label: ClassVar[str] = "deflection"
 
-    def rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
-        """See `Effect.rows`."""
+    def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
         shape = bridge.mode_shapes(self.section(bridge) * bridge.length)
         return EffectRows(
             np.zeros_like(tires), _of_states(vehicle, np.kron(shape, [1.0, 0.0])), 0.0
         )
 
-    def static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        """See `Effect.static_values`."""
+    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
         section = self.section(bridge)
         # Deflection at the section per force on the crest of each mode.
         flexibility = bridge.mode_shapes(section * bridge.length)
@@ -245,20 +295,17 @@ class TireForce(Effect):
         super().__post_init__()
         _checks.integer("tire", self.tire, at_least=1)
 
-    def on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
-        """See `Effect.on`."""
+    def _on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
         if self.tire > vehicle.n_tires:
             raise ValueError(f"tire must be one of the {vehicle.n_tires} tires, got {self.tire}")
         return self
 
-    def rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
-        """See `Effect.rows`."""
+    def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
         per_force = np.zeros_like(tires)
         per_force[..., self.tire - 1] = 1.0
         return EffectRows(per_force, _of_states(vehicle, np.zeros(2 * bridge.n_modes)), 0.0)
 
-    def static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        """See `Effect.static_values`."""
+    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
         return vehicle.static_loads[self.tire - 1 : self.tire]
 
 
@@ -294,23 +341,20 @@ class BodyAcceleration(Effect):
         super().__post_init__()
         _checks.integer("coordinate", self.coordinate, at_least=1)
 
-    def on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
-        """See `Effect.on`."""
+    def _on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
         if self.coordinate > vehicle.n_coordinates:
             known = ", ".join(f"{i} for {name}" for i, name in enumerate(vehicle.coordinates, 1))
             raise ValueError(f"coordinate must be {known}, got {self.coordinate}")
         return self
 
-    def rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
-        """See `Effect.rows`."""
+    def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
         rate = vehicle.velocities[self.coordinate - 1]
         own, per_force = rate @ vehicle.state_matrix, rate @ vehicle.tire_input
         constant = -float(per_force @ vehicle.static_loads)
         per_state = np.append(own, np.zeros(2 * bridge.n_modes))
         return EffectRows(np.zeros_like(tires) + per_force, per_state, constant)
 
-    def static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        """See `Effect.static_values`."""
+    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
         return np.zeros(0)
 
 

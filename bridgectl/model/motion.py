@@ -47,6 +47,9 @@ class Motion:
         a = _checks.number("acceleration", self.acceleration, unit="m/s^2")
         object.__setattr__(self, "acceleration", a)
 
+    def __repr__(self) -> str:
+        return f"Motion(speed={self.speed:g} m/s, acceleration={self.acceleration:g} m/s^2)"
+
     @property
     def uniform(self) -> bool:
         """Whether the speed is constant."""

@@ -189,44 +189,11 @@ def validate_dampers(
     workers: int | None = None,
     progress: bool = True,
 ) -> tuple[DamperCase, ...]:
-    """Compare the class DAE of many dampers with their simulated mean DAF.
+    """Compare the class DAE of many dampers with their simulated mean DAF, by span and class.
 
-    The paper's truck crosses its bridges on roads of class A and B. With the defaults it takes some
-    ten minutes on two cores.
-
-    Parameters
-    ----------
-    speeds : float or array_like, optional
-        Speeds c [m/s]; 60 to 120 km/h every 5 km/h if omitted.
-    spans : sequence of int, optional
-        Spans [m]: see `bridgectl.li2006.beam`.
-    n_pairs : int, optional
-        Random roads of each class; each has its mirror image beside it.
-    approach : float, optional
-        Road before the bridge that is driven [m].
-    resume : path-like, optional
-        Files of this name, with the span in it, keep what is done: see `bridgectl.score`.
-    workers : int, optional
-        Processes at work. Default: as many as there are cores.
-    progress : bool, optional
-        Whether to show progress bars on a terminal.
-
-    Returns
-    -------
-    tuple of DamperCase
-        By span and class.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not what is described above, or a file is of another study.
-
-    Examples
-    --------
-    >>> from bridgectl.paper.damper_validation import validate_dampers
-    >>> cases = validate_dampers(25.0, spans=[9], n_pairs=2, approach=0, workers=1)
-    >>> [(case.road_class, case.daf.shape) for case in cases]
-    [('A', (34, 2, 2, 1)), ('B', (34, 2, 2, 1))]
+    The paper's truck crosses its bridges on `n_pairs` roads of class A and B and their mirror
+    images, at `speeds` [m/s] after an `approach` [m]; `resume` keeps what is done in a file for
+    each span.
     """
     c = check.speeds(SPEEDS if speeds is None else speeds)
     count = check.integer("n_pairs", n_pairs, at_least=2)

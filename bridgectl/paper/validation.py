@@ -238,48 +238,12 @@ def validate(
     """Compare DAE and superposed DAF with the simulated DAF, as Section 4 of the paper does.
 
     The paper's truck crosses its bridges (15 m solid, 25 m Y-beam, 35 m super-Y-beam; undamped,
-    three modes, exact recovery), from rest where the bridge begins or after an approach.
+    three modes, exact recovery) at `speeds` [m/s], from rest where the bridge begins or after an
+    approach [m] of `starts`; the warning light is tried on `n_random` random roads.
 
-    Parameters
-    ----------
-    speeds : float or array_like, optional
-        Speeds c [m/s]; 50 to 150 km/h every 1 km/h if omitted.
-    spans : sequence of int, optional
-        Spans [m]: see `bridgectl.li2006.beam`.
-    starts : sequence of float, optional
-        Lengths of the approach [m].
-    roads : sequence of RoadProfile, optional
-        Roads over the longest approach and span; `good_roads` if omitted.
-    n_random : int, optional
-        Number of random roads that the warning light is tried on.
-    progress : bool, optional
-        Whether to show a progress bar on a terminal.
-
-    Returns
-    -------
-    ValidationResults
-
-    Raises
-    ------
-    TypeError, ValueError
-        If a parameter has the wrong kind or range, or a road does not cover approach and bridge.
-
-    Notes
-    -----
     The moment of the static load has a kink at mid-span. While it holds the peak there, with each
     ramp and with the road, DAF is linear in the road and the DAE is exact. Where it does not, as
     on the short bridge, the DAE falls short: a maximum is convex in the road.
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Section 4, Figs. 8, 9, 11.
-
-    Examples
-    --------
-    >>> from bridgectl.paper.validation import validate
-    >>> results = validate([29.0, 30.0], spans=[25], starts=[0], n_random=10)
-    >>> len(results.cases), f"{results.median_difference:.4f}"
-    (8, '0.0000')
     """
     c = check.speeds(from_kmh(SPEEDS_KMH) if speeds is None else speeds)
     if not len(spans) or not len(starts) or (roads is not None and not len(roads)):

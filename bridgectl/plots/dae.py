@@ -50,7 +50,9 @@ def dae_figure(
         Simulated DAF at the same speeds; not drawn if omitted. Its maximum, or else that of
         the superposed DAF, is at the critical speed, whose contributions are shown.
 
-    {figure}
+    Returns
+    -------
+    matplotlib.figure.Figure
 
     Raises
     ------

@@ -33,10 +33,10 @@ def label_points(
     ax: Axes, points: FloatArray, texts: Sequence[str], *, obstacles: FloatArray, curve: FloatArray,
     colors: Sequence[str], size: float = 8.0,
 ) -> None:  # fmt: skip
-    """Write a label, in letters of a size [points], beside each point (n, 2) in data coordinates.
+    """Write a label of some size [points] beside each of the points (n, 2), in data coordinates.
 
-    None may cover an obstacle (m, 2), and they should keep off the curve through corners (k, 2).
-    The axes must have their limits and their place in the figure: no layout may move them later.
+    No label covers an obstacle (m, 2), and labels keep off the corners (k, 2) of a curve. The axes
+    must have their limits and their place in the figure: no layout may move them later.
     """
     scale = 72.0 / ax.figure.dpi
     at, points_at = (ax.transData.transform(p) * scale for p in (points, obstacles))

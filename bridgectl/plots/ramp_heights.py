@@ -23,34 +23,8 @@ def ramp_height_figure(found: Sequence[RampHeightsShown]) -> Figure:
     One panel for each damper: the simulated DAF of a ramp that falls or rises, Eq. (15), which is
     the straight line of a 1 mm drop, and the DAE of order 2, the parabola through the smooth road
     and the points u+ and u- of a drop and a rise of height h. The even part e, what drop and rise
-    have in common, is marked on the smooth road.
-
-    Parameters
-    ----------
-    found : sequence of RampHeights
-        Of each damper, at one place and speed: see `bridgectl.ramp_heights`.
-
-    {figure}
-
-    Raises
-    ------
-    TypeError
-        If `found` is no list of such results.
-    ValueError
-        If they are of several places or speeds.
-
-    Examples
-    --------
-    A typical place and speed: bridgehook has larger even effects at half of all, and smaller ones.
-
-    >>> import bridgectl as bc
-    >>> from bridgectl.dampers import bridgehook, passive
-    >>> from bridgectl.plots import ramp_height_figure
-    >>> beam, car = bc.li2006.beam(), bc.li2006.car()
-    >>> laws = [passive(7e3), bridgehook(beam, car, 1e3, 30e3)]
-    >>> figure = ramp_height_figure([bc.ramp_heights(beam, car, law, 25.0, -35.0) for law in laws])
-    >>> [axes.get_title(loc="left").splitlines()[0] for axes in figure.axes]
-    ['passive 7 kN s/m', 'bridgehook']
+    have in common, is marked on the smooth road. A typical place and speed: bridgehook has larger
+    even effects at half of all, and smaller ones.
     """
     place = _one_place(found)
     rows, columns = -(-len(found) // IN_A_ROW), min(len(found), IN_A_ROW)

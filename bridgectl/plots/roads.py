@@ -27,29 +27,7 @@ FILE_STATION_LABEL = "station [m]"
 
 @styled
 def profile_figure(roads: Sequence[RoadShown], segment: float = 100.0) -> Figure:
-    """Draw the tracks of a road: elevation, IRI of each segment, and spectrum.
-
-    Parameters
-    ----------
-    roads : sequence of RoadProfile
-        The tracks, evenly spaced.
-    segment : float, optional
-        Length of the segments [m].
-
-    {figure}
-
-    Raises
-    ------
-    ValueError
-        If a road is shorter than the segment, or not evenly spaced.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.plots import profile_figure
-    >>> [axes.get_ylabel() for axes in profile_figure([bc.utia_road()]).axes]
-    ['elevation, up [mm]', 'IRI [m/km]', 'power spectral density $G_d$ [m³]']
-    """
+    """Draw the tracks of a road: elevation, IRI of each segment [m], and spectrum."""
     figure = Figure(figsize=(10.0, 8.4), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.35, 1))
     above = figure.add_subplot(grid[0, 0])
@@ -80,25 +58,7 @@ def profile_figure(roads: Sequence[RoadShown], segment: float = 100.0) -> Figure
 
 @styled
 def psd_plot(psd: PsdShown, ax: Axes | None = None) -> Axes:
-    """Draw the spectrum of a road over the classes of ISO 8608.
-
-    Parameters
-    ----------
-    psd : RoadPsd
-        See `RoadProfile.psd`.
-    {ax}
-
-    References
-    ----------
-    ISO 8608:2016, Annex B.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.plots import psd_plot
-    >>> psd_plot(bc.utia_road().psd()).get_xlabel()
-    'wave number n [cycles/m]'
-    """
+    """Draw the spectrum of a road over the classes of ISO 8608:2016, Annex B."""
     ax = new_axes(ax)
     _draw_spectra(ax, [psd])
     return ax
@@ -110,34 +70,7 @@ def pair_figure(
 ) -> Figure:
     """Draw two roads of one IRI and one spectrum, and their DAF over speed: Fig. 3 of the paper.
 
-    Parameters
-    ----------
-    pair : EqualRoughnessPair
-        See `bridgectl.extremes.equal_roughness_pair`.
-    speeds : array_like, shape (n_speeds,)
-        Speeds [m/s].
-    daf : array_like, shape (2, n_speeds)
-        DAF of both roads.
-    smooth : array_like, optional
-        DAF of a smooth road, shape (n_speeds,).
-
-    {figure}
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Fig. 3.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.extremes import equal_roughness_pair
-    >>> from bridgectl.plots import pair_figure
-    >>> speeds = [22.0, 25.0]
-    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), speeds)
-    >>> pair = equal_roughness_pair(surface, bc.iso8608_profile("A", 25, seed=1), 25.0)
-    >>> figure = pair_figure(pair, speeds, surface.superposed_daf([pair.first, pair.second]))
-    >>> [axes.get_ylabel() for axes in figure.axes]
-    ['elevation, up [mm]', '$G_d$ [m³]', 'DAF [-]']
+    `daf` of both roads has shape (2, n_speeds), that of a `smooth` road (n_speeds,); speeds in m/s.
     """
     figure = Figure(figsize=(10.0, 7.4), layout="constrained")
     panels = figure.subplot_mosaic([["roads", "roads"], ["spectra", "daf"]], height_ratios=(1, 1.3))

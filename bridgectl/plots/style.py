@@ -10,8 +10,6 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bridgectl._docs import filled
-
 # Okabe and Ito's palette, and what the bridge is made of.
 SKY, BLUE, VERMILLION = "#56B4E9", "#0072B2", "#D55E00"
 TRACKS = (BLUE, VERMILLION, "#009E73", "#CC79A7", "#E69F00")
@@ -29,28 +27,14 @@ SPEED_LABEL = "speed [km/h]"
 PLACE_LABEL = "start of the ramp, x/l [-]"
 STATION_LABEL = "x from the start of the bridge [m]"
 
-_documented = filled(
-    ax="""\
-ax : matplotlib.axes.Axes, optional
-    Where to draw; a new figure if omitted.
-
-Returns
--------
-matplotlib.axes.Axes""",
-    figure="""\
-Returns
--------
-matplotlib.figure.Figure""",
-)
-
 P = ParamSpec("P")
 T = TypeVar("T")
 
 
 def styled(draw: Callable[P, T]) -> Callable[P, T]:
-    """Draw in this look, whatever the reader's own; fill in {ax} and {figure} in the docstring."""
+    """Draw in this look, whatever the reader's own."""
 
-    @wraps(_documented(draw))
+    @wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> T:
         with mpl.rc_context(STYLE):
             return draw(*args, **kwargs)

@@ -1,4 +1,4 @@
-"""Figures of the validations: DAF and DAE, Figs. 8, 9 and 11 of the paper, and of dampers."""
+"""The figure of the validation: Figs. 8, 9 and 11 of the paper, for all roads and bridges."""
 
 from __future__ import annotations
 
@@ -12,10 +12,9 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from bridgectl._places import SAME_PLACE
 from bridgectl._units import to_kmh
-from bridgectl.plots.shown import CaseShown, DamperCaseShown, RoadShown, ValidationShown
+from bridgectl.plots.shown import CaseShown, RoadShown, ValidationShown
 from bridgectl.plots.style import (
     BLACK,
-    BLUE,
     BRIDGE_TINT,
     GREY,
     SKY,
@@ -37,24 +36,7 @@ ROUND_OFF = 1e-6
 def validation_figure(results: ValidationShown) -> Figure:
     """Draw DAF and DAE over speed of every road on every bridge, and the peaks of all.
 
-    Parameters
-    ----------
-    results : ValidationResults
-        See `bridgectl.paper.validation.validate`.
-
-    {figure}
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Figs. 8, 9 and 11.
-
-    Examples
-    --------
-    >>> from bridgectl.plots import validation_figure
-    >>> from bridgectl.paper.validation import validate
-    >>> figure = validation_figure(validate([29.0, 30.0], spans=[25], starts=[0]))
-    >>> len(figure.axes)  # elevation and amplification of eight roads, and the peaks
-    18
+    As Figs. 8, 9 and 11 of the paper.
     """
     groups, n_roads = results.groups, len(results.roads)
     width = ROAD + COLUMN * max(len(groups), 4)
@@ -173,62 +155,3 @@ def _draw_differences(ax: Axes, results: ValidationShown) -> None:
         look = _look(results.groups[span, approach][0], results)
         handles.append(Line2D([], [], label=f"{span:g} m bridge, {_start(approach)}", **look))  # type: ignore[arg-type]
     ax.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-
-
-@styled
-def damper_validation_figure(cases: Sequence[DamperCaseShown]) -> Figure:
-    """Draw the class DAE of every damper over its simulated mean DAF, and the mean of Eq. (15).
-
-    A row for each road class, a column for each bridge.
-
-    Parameters
-    ----------
-    cases : sequence of DamperCase
-        See `bridgectl.paper.damper_validation.validate_dampers`.
-
-    {figure}
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.paper.damper_validation import DamperCase
-    >>> from bridgectl.plots import damper_validation_figure
-    >>> daf = 1 + np.random.default_rng(0).normal(0, 0.1, (3, 2, 4, 1))
-    >>> case = DamperCase(25.0, "A", ("a", "b", "c"), 2, daf, daf, daf, daf.mean(axis=(1, 2, 3)))
-    >>> damper_validation_figure([case]).axes[0].get_xlabel()
-    'simulated mean DAF [-]'
-    """
-    spans = list(dict.fromkeys(case.span for case in cases))
-    classes = list(dict.fromkeys(case.road_class for case in cases))
-    size = (1.0 + 3.9 * len(spans), 0.8 + 3.5 * len(classes))
-    figure = Figure(figsize=size, layout="constrained")
-    panels = figure.subplots(len(classes), len(spans), squeeze=False)
-    for case in cases:
-        _draw_damper_case(panels[classes.index(case.road_class), spans.index(case.span)], case)
-    for panel in panels[-1]:
-        panel.set_xlabel("simulated mean DAF [-]")
-    for panel in panels[:, 0]:
-        panel.set_ylabel("DAE [-]")
-    handles, labels = panels[0, 0].get_legend_handles_labels()
-    columns = len(spans) if len(spans) < 3 else 4  # of entries, as many as fit
-    figure.legend(handles, labels, loc="outside lower center", ncols=columns)
-    return figure
-
-
-def _draw_damper_case(ax: Axes, case: DamperCaseShown) -> None:
-    daf, known = case.mean_daf, slice(case.n_known)
-    unseen = slice(case.n_known, None)
-    ax.plot(daf, case.mean_eq_15, ".", color=GREY, ms=5, label="mean of Eq. (15)", zorder=1)
-    ax.plot(daf[known], case.class_dae[known], "o", color=BLUE, ms=5,
-            label="class DAE, dampers of the formula")  # fmt: skip
-    ax.plot(daf[unseen], case.class_dae[unseen], "^", color=VERMILLION, ms=5.5,
-            label="class DAE, unseen dampers")  # fmt: skip
-    values = np.concatenate([daf, case.class_dae, case.mean_eq_15])
-    ends = values.min(), values.max()
-    ax.plot(ends, ends, ":", color=BLACK, lw=0.8, label="equal", zorder=0)
-    clear = case.clear_pairs
-    ax.set_title(
-        f"{case.span:g} m, class {case.road_class}: tau {case.tau.tau:.2f}\n"
-        f"{clear.right} of {clear.number} clear pairs in order"
-    )
-    ax.locator_params(nbins=5)

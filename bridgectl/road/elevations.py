@@ -70,7 +70,7 @@ class Elevations(Stations):
 
         Examples
         --------
-        >>> from bridgectl.road import RoadProfile, utia_road
+        >>> from bridgectl import RoadProfile, utia_road
         >>> utia_road().resample(0.1).measured_step
         0.25
         >>> RoadProfile([-10, 3.0, 3.1, 25], [0, 0, -0.001, -0.001]).resample(0.1).measured_step
@@ -131,7 +131,7 @@ class Elevations(Stations):
         --------
         A road that falls by 1 mm has r = +1 mm after the fall:
 
-        >>> from bridgectl.road import RoadProfile
+        >>> from bridgectl import RoadProfile
         >>> road = RoadProfile([0, 0.1], [0, -0.001])
         >>> road.drop([-1, 0, 0.05, 0.1, 7], start=0)
         array([0.    , 0.    , 0.0005, 0.001 , 0.001 ])
@@ -166,7 +166,7 @@ class Elevations(Stations):
 
         Examples
         --------
-        >>> from bridgectl.road import RoadProfile
+        >>> from bridgectl import RoadProfile
         >>> ramps = RoadProfile([0, 0.1, 0.2], [0, -0.001, -0.003]).ramps()
         >>> ramps.positions, ramps.heights
         (array([0. , 0.1]), array([0.001, 0.002]))
@@ -215,7 +215,7 @@ class Elevations(Stations):
 
         Examples
         --------
-        >>> from bridgectl.road import utia_road
+        >>> from bridgectl import utia_road
         >>> utia_road().iri(segment=100).round(3)
         array([3.298, 2.442, 3.555, 4.086, 2.708])
         """
@@ -249,7 +249,7 @@ class Elevations(Stations):
 
         Examples
         --------
-        >>> from bridgectl.road import utia_road
+        >>> from bridgectl import utia_road
         >>> x, iri = utia_road().running_iri(window=100)
         >>> f"{iri.max():.2f} m/km over the 100 m before station {x[iri.argmax()]:.0f} m"
         '4.23 m/km over the 100 m before station 862 m'
@@ -282,7 +282,7 @@ class Elevations(Stations):
 
         Examples
         --------
-        >>> from bridgectl.road import utia_road
+        >>> from bridgectl import utia_road
         >>> utia_road().psd()
         RoadPsd('UTIA road', 200 wave numbers from 0.01 to 2 cycles/m, 8.6 averages)
         """

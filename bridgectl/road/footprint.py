@@ -53,7 +53,7 @@ def tire_footprint(road: RoadProfile, length: float = 0.24) -> RoadProfile:
     --------
     The middle of a step stays, and its foot is lifted:
 
-    >>> from bridgectl.road import RoadProfile
+    >>> from bridgectl import RoadProfile
     >>> from bridgectl.road import add_events, step, tire_footprint
     >>> road = add_events(RoadProfile([-10, 25], [0, 0]).resample(0.05), step(0.0, 0.020))
     >>> tire_footprint(road).elevation_at([-0.2, 0, 0.05, 0.1, 0.3]).round(4)

@@ -46,7 +46,11 @@ SHORTEST = 1.0
 
 
 def golden_car() -> control.StateSpace:
-    """Return the golden car, from slope [-] of the road to the suspension's velocity per speed."""
+    """Return the golden car of the IRI (M. W. Sayers, Transp. Research Record 1501, 1995, 1-12).
+
+    Input 'slope' [-] of the road, output 'suspension' [-], the suspension's velocity per speed.
+    States: slopes of sprung and unsprung mass and their rates.
+    """
     matrix = [
         [0, 1, 0, 0],
         [-SUSPENSION, -DAMPING, SUSPENSION, DAMPING],
@@ -63,9 +67,10 @@ def golden_car() -> control.StateSpace:
 
 
 def rectified_slope(elevation: ArrayLike, step: float) -> FloatArray:
-    """Rectified suspension motion [m/km] along roads (..., n), sampled every step; its mean is IRI.
+    """Rectified suspension motion [m/km] along evenly sampled roads; its mean is the IRI.
 
-    Of shape (..., n - k): k = max(1, round(0.25 / step)) samples make the 250 mm base.
+    Of elevations [m], shape (..., n), it has shape (..., n - k), one for each step;
+    k = max(1, round(0.25 / step)) samples make the 250 mm base.
     """
     return np.abs(suspension_slope(elevation, step))
 

@@ -77,7 +77,7 @@ def iso8608_profile(
 
     References
     ----------
-    ISO 8608:2016, Annex C. The class means are in `bridgectl.road.class_roughness`.
+    ISO 8608:2016, Annex C. The class means are in `bridgectl.road.psd.class_roughness`.
 
     Examples
     --------
@@ -208,38 +208,10 @@ def ramp_covariance(
     roughness: str | float, n_ramps: int, length: float = 0.1, *, waviness: float = 2.0,
     band: tuple[float, float] = DEFAULT_BAND, level: str = "mean",
 ) -> FloatArray:  # fmt: skip
-    """Covariance of the drops over the ramps of a random road, by the ramps between them.
+    """Covariance [m^2] of the drops over ramps of a random road that are 0, 1, 2, ... ramps apart.
 
     With the spectrum G(n) it is the integral of G(n) 4 sin^2(pi n length) cos(2 pi n k length):
-    exact for the roads of `iso8608_elevations` at steps of a ramp.
-
-    Parameters
-    ----------
-    roughness, waviness, band, level
-        As `iso8608_profile`.
-    n_ramps : int
-        How many ramps.
-    length : float, optional
-        Length of a ramp [m].
-
-    Returns
-    -------
-    ndarray, shape (n_ramps,)
-        Covariance [m^2] of ramps 0, 1, 2, ... ramps apart; the first is the variance.
-
-    Raises
-    ------
-    TypeError, ValueError
-        As `iso8608_profile`.
-
-    Examples
-    --------
-    Drops over 100 mm of class A: 0.46 mm, and those of neighbours go together.
-
-    >>> from bridgectl.road import ramp_covariance
-    >>> s = ramp_covariance("A", 3)
-    >>> (1e3 * s[0] ** 0.5).round(3), (s[1] / s[0]).round(2)
-    (np.float64(0.461), np.float64(0.32))
+    exact for the roads of `iso8608_elevations` at steps of a ramp. The first is the variance.
     """
     count = check.integer("n_ramps", n_ramps, at_least=1)
     dx = check.positive("length", length, unit="m")

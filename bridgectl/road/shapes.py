@@ -1,4 +1,4 @@
-"""The shapes of local road events: step, ramp, plank, bump, pothole and settlement."""
+"""The shapes of local road events: step, ramp, plank, bump and settlement."""
 
 from __future__ import annotations
 
@@ -138,9 +138,13 @@ def bump(x: float, length: float, height: float) -> RoadEvent:
     length : float
         Length of the hump [m].
     height : float
-        Height of its middle [m], positive up, negative for a dip.
+        Height of its middle [m], positive up; negative for a pothole, as Pesterev et al. use.
 
     {event}
+
+    References
+    ----------
+    A. V. Pesterev, L. A. Bergman, C. A. Tan, Journal of Sound and Vibration 275 (2004) 127-149.
 
     Examples
     --------
@@ -150,38 +154,6 @@ def bump(x: float, length: float, height: float) -> RoadEvent:
     """
     rise = check.number("height", height, unit="m")
     return _cosine("bump", x, length, ("height", rise), rise)
-
-
-@documented
-def pothole(x: float, length: float, depth: float) -> RoadEvent:
-    """Return a cosine pothole, -depth / 2 (1 - cos(2 pi s / length)), as Pesterev et al. use.
-
-    It is a `bump` upside down, of as many points.
-
-    Parameters
-    ----------
-    x : float
-        Station where the pothole begins [m].
-    length : float
-        Length of the pothole [m].
-    depth : float
-        Depth of its middle [m], 0 or more.
-
-    {event}
-
-    References
-    ----------
-    A. V. Pesterev, L. A. Bergman, C. A. Tan, A novel approach to the calculation of pothole-induced
-    contact forces in MDOF vehicle models, Journal of Sound and Vibration 275 (2004) 127-149.
-
-    Examples
-    --------
-    >>> from bridgectl.road import pothole
-    >>> pothole(8.0, length=0.8, depth=0.050)
-    RoadEvent('pothole of 50 mm at 8 m', 51 points, x from 8 m to 8.8 m, rise from -0.05 m to 0 m)
-    """
-    fall = check.not_negative("depth", depth, unit="m")
-    return _cosine("pothole", x, length, ("depth", fall), -fall)
 
 
 @documented

@@ -292,8 +292,8 @@ class Scoreboard:
         }
 
     def plot(self) -> Figure:
-        """Return a figure of the scores: see `bridgectl.plots.score_figure`."""
-        from bridgectl.plots import score_figure  # late, for matplotlib is slow to load
+        """Return a figure of the scores: see `bridgectl.plots.scores.score_figure`."""
+        from bridgectl.plots.scores import score_figure  # late, for matplotlib is slow to load
 
         return score_figure(self)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.simulate import ramp_surface
 from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH
 from bridgectl.surface.ramps import one_ramp
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 N_RISING = 40
 """Heights above 0, and as many below, but for those of the unit ramp."""
@@ -63,6 +67,15 @@ class RampHeights:
             f"{self.heights[-1] * 1e3:.4g} mm at x = {self.place:.4g} m and "
             f"{to_kmh(self.speed):.4g} km/h, DAF from {self.daf.min():.4f} to {self.daf.max():.4f})"
         )
+
+    def plot(self, *others: RampHeights) -> Figure:
+        """Draw the DAF over the height, and what the DAE of both orders makes of it.
+
+        Those of other dampers at the same place and speed go beside it.
+        """
+        from bridgectl.plots.ramp_heights import ramp_height_figure  # late: matplotlib is slow
+
+        return ramp_height_figure([self, *others])
 
 
 def ramp_heights(

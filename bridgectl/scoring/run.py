@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
-from bridgectl import measures
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._progress import shows, track
@@ -26,8 +25,9 @@ from bridgectl.dampers import Damper, Strategy
 from bridgectl.dampers.actuator import bare_vehicle
 from bridgectl.dampers.loop.damped import RampsAndRoads, ramps_and_roads
 from bridgectl.dampers.loop.work import require_loop
-from bridgectl.measures.loads import CELL
-from bridgectl.measures.weighting import weighted_rms
+from bridgectl.measures import aggregate_fourth_power, dynamic_load_coefficient, weighted_rms
+from bridgectl.measures.history import largest, rms
+from bridgectl.measures.loads import CELL, road_stress_factor
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
@@ -271,16 +271,16 @@ def _measure(study: Study, damper: Damper, run: RampsAndRoads) -> Part:
     fourth = []
     for speed, history in zip(study.speeds, run.roads.histories, strict=True):
         force, ride = history["tire_force"], history["body_acceleration"]
-        columns["dynamic_load_coefficient"].append(measures.dynamic_load_coefficient(force, load))
+        columns["dynamic_load_coefficient"].append(dynamic_load_coefficient(force, load))
         columns["tire_force_95"].append(np.percentile(force, 95, axis=-1) / load)
-        columns["road_stress"].append(measures.road_stress_factor(force, load))
-        columns["body_acceleration"].append(measures.rms(ride))
+        columns["road_stress"].append(road_stress_factor(force, load))
+        columns["body_acceleration"].append(rms(ride))
         columns["weighted_acceleration"].append(weighted_rms(ride, damper.sample_time))
-        columns["suspension_travel"].append(measures.largest(history["suspension_travel"]))
+        columns["suspension_travel"].append(largest(history["suspension_travel"]))
         x = study.stations[0] + speed * damper.sample_time * np.arange(force.shape[1])
         # Longer than a sample's way.
         cell = max(CELL, 2 * speed * damper.sample_time)
-        fourth.append([measures.aggregate_fourth_power(f, load, x, cell).values for f in force])
+        fourth.append([aggregate_fourth_power(f, load, x, cell).values for f in force])
     shortest = min(len(row) for rows in fourth for row in rows)
     places = np.array([[row[:shortest] for row in rows] for rows in fourth]).mean(axis=0)
     return {

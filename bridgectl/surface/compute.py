@@ -20,7 +20,8 @@ from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import Run, prepare, reference_effect
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
-from bridgectl.road import RoadProfile, ramp_covariance
+from bridgectl.road import RoadProfile
+from bridgectl.road.iso8608 import ramp_covariance
 from bridgectl.road.psd import CLASSES
 from bridgectl.surface.histories import DenseHistories, Histories, factor_histories
 from bridgectl.surface.ramps import ends_of_ramps, one_ramp

@@ -18,7 +18,8 @@ from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import prepare
 from bridgectl.model.effects import Moment
-from bridgectl.road import RoadProfile, ramp_covariance
+from bridgectl.road import RoadProfile
+from bridgectl.road.iso8608 import ramp_covariance
 from bridgectl.road.spectrum import DEFAULT_BAND
 from bridgectl.surface.class_dae import ClassDae, over_class
 from bridgectl.surface.file import save_surface
@@ -327,7 +328,7 @@ class RampSurface(UnitRamps):
         return surface_to_xarray(self)
 
     def plot(self, *, difference: bool = False, ax: Axes | None = None) -> Axes:
-        """Draw the surface over place and speed: see `bridgectl.plots.surface_plot`.
+        """Draw the surface over place and speed: see `bridgectl.plots.surface.surface_plot`.
 
         Parameters
         ----------
@@ -340,6 +341,6 @@ class RampSurface(UnitRamps):
         -------
         matplotlib.axes.Axes
         """
-        from bridgectl.plots import surface_plot  # late, for matplotlib is slow to load
+        from bridgectl.plots.surface import surface_plot  # late, for matplotlib is slow to load
 
         return surface_plot(self, difference=difference, ax=ax)

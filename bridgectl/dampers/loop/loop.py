@@ -29,7 +29,6 @@ from bridgectl.dampers.loop.steps import (
     times_within,
 )
 from bridgectl.dampers.strategy import SIGNALS
-from bridgectl.measures.history import half_of_range
 from bridgectl.model.crossing import Crossing
 from bridgectl.road.elevations import drops_of
 
@@ -75,7 +74,7 @@ class Loop:
         self.begins = every if begins is None or own else begins
         self.law = BatchLaw(damper.strategy, [*speeds], gains)
         self.law.foresee(self.plan.edges[..., 0], speeds)
-        self.limits = damper.strategy.c_min, damper.strategy.c_max
+        self.middle = (damper.strategy.c_min + damper.strategy.c_max) / 2
         self.noise: Noise | None = None
         if damper.velocity_noise:
             roads = stations, self.drops, crossing.beam.length
@@ -153,8 +152,7 @@ class Loop:
         first = self.plan.first[: len(now.force)] == k
         signals = self._signals(now, k, first)
         wanted = self.law(signals, k)
-        stiff, stiff_before = (half_of_range(c, *self.limits) > 0 for c in (wanted, now.command))
-        switched = stiff != stiff_before
+        switched = (wanted > self.middle) != (now.command > self.middle)
         switched[first] = False
         now.switches += switched
         now.command[:] = wanted

@@ -184,7 +184,7 @@ def clairvoyant(
     Examples
     --------
     >>> import bridgectl as bc
-    >>> from bridgectl.dampers.optimum.clairvoyant import clairvoyant
+    >>> from bridgectl.dampers import clairvoyant
     >>> beam, car = bc.li2006.beam(), bc.li2006.car()
     >>> road = bc.RoadProfile([-5, 3, 3.1, 25], [0, 0, -0.003, -0.003])
     >>> best = clairvoyant(beam, car, 30.0, road, 1e3, 30e3, start=-5, step=0.02)

@@ -206,7 +206,7 @@ def utia_road() -> RoadProfile:
 
     Examples
     --------
-    >>> from bridgectl.road import utia_road
+    >>> from bridgectl import utia_road
     >>> utia_road().place_bridge(678).crop(-200, 25)
     RoadProfile('UTIA road', 901 points, x from -200 m to 25 m, elevation from 582.014 m to
     583.143 m, step 0.25 m)

@@ -58,7 +58,7 @@ def write_profile(
     Examples
     --------
     >>> import pathlib, tempfile
-    >>> from bridgectl.road import RoadProfile, read_profile
+    >>> from bridgectl import RoadProfile, read_profile
     >>> road = RoadProfile([-0.1, 0, 0.1], [0, 0.001, 0], name="A1")
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_profile(pathlib.Path(folder, "lane.csv"), road)
