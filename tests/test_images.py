@@ -36,12 +36,11 @@ from bridgectl.paper.damper_validation import DamperCase
 from bridgectl.paper.printed import PaperResults
 from bridgectl.paper.validation import Case, ValidationResults, WarningLight
 from bridgectl.plots import dae_figure
-from bridgectl.plots.damper_validation import damper_validation_figure
-from bridgectl.plots.paper import paper_figure
 from bridgectl.plots.ramp_heights import ramp_height_figure
 from bridgectl.plots.roads import pair_figure, profile_figure, psd_plot
 from bridgectl.plots.scores import score_figure
-from bridgectl.plots.validation import validation_figure
+from bridgectl.plots.surface import paper_figure
+from bridgectl.plots.validation import damper_validation_figure, validation_figure
 from bridgectl.scoring.board import Scoreboard
 from bridgectl.scoring.rows import MEASURES
 from bridgectl.surface.histories import FeedbackHistories

@@ -10,8 +10,7 @@ from bridgectl import plots
 from bridgectl.extremes import equal_roughness_pair
 from bridgectl.paper.printed import paper_results
 from bridgectl.plots import dae_figure
-from bridgectl.plots.paper import paper_figure
-from bridgectl.plots.surface import smooth_daf_plot, surface_plot
+from bridgectl.plots.surface import paper_figure, smooth_daf_plot, surface_plot
 from bridgectl.road.psd import class_roughness
 
 

@@ -223,8 +223,9 @@ def _json(results: dict[str, Any]) -> str:
 
 
 def _figure(name: str) -> Any:
-    """A figure's function, from a module that is loaded when it is drawn."""
-    return getattr(import_module(f"bridgectl.plots.{name}"), f"{name}_figure")
+    """A figure's function, by module and name, that is loaded when it is drawn."""
+    module, _, what = name.partition(".")
+    return getattr(import_module(f"bridgectl.plots.{module}"), f"{what}_figure")
 
 
 def _run_dae(args: argparse.Namespace) -> None:
@@ -249,7 +250,7 @@ def _run_dae(args: argparse.Namespace) -> None:
     study = DaeStudy(surface, vehicle, road, station, surface.dae(road), superposed, simulated)
     computed = {"superposed": superposed, "simulated": simulated}
     options.deliver(
-        args, lambda: _figure("dae")(surface, road, **computed),
+        args, lambda: _figure("dae.dae")(surface, road, **computed),
         lambda: _json(dae_json(study)), lambda: print_dae(study),
     )  # fmt: skip
 
@@ -292,7 +293,7 @@ def _run_paper(args: argparse.Namespace) -> None:
     with options.working("computing the paper's surfaces"):
         results = paper_results()
     options.deliver(
-        args, lambda: _figure("paper")(results),
+        args, lambda: _figure("surface.paper")(results),
         lambda: _json(paper_json(results)), lambda: print_paper(results),
     )  # fmt: skip
 
@@ -319,7 +320,7 @@ def _run_validate(args: argparse.Namespace) -> None:
         roads = good_roads()
     results = validate(speeds, spans, roads=roads)
     options.deliver(
-        args, lambda: _figure("validation")(results),
+        args, lambda: _figure("validation.validation")(results),
         lambda: _json(validation_json(results)), lambda: print_validation(results),
     )  # fmt: skip
 
@@ -336,6 +337,6 @@ def _run_validate_dampers(args: argparse.Namespace) -> None:
     with options.resumed(args.resume):
         cases = validate_dampers(speeds, spans, pairs, resume=args.resume, workers=args.workers)
     options.deliver(
-        args, lambda: _figure("damper_validation")(cases),
+        args, lambda: _figure("validation.damper_validation")(cases),
         lambda: _json(damper_validation_json(cases)), lambda: print_damper_validation(cases),
     )  # fmt: skip

@@ -7,7 +7,7 @@ modules import nothing of what they draw, and `bridgectl.plots.shown` says what 
 
 from bridgectl._gone import no_attribute
 from bridgectl.plots.dae import dae_figure
-from bridgectl.plots.effects import effects_figure
+from bridgectl.plots.surface import effects_figure
 
 __all__ = ["dae_figure", "effects_figure"]
 

@@ -1,4 +1,4 @@
-"""Figures of a ramp surface: DAF of a smooth road and of a ramp, by its place and the speed."""
+"""Figures of ramp surfaces: DAFs by place and speed, Figs. 2, 5 and 6 of the paper, effects."""
 
 from __future__ import annotations
 
@@ -8,13 +8,22 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import CenteredNorm
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
 from bridgectl._units import to_kmh
-from bridgectl.plots.shown import SurfaceShown
-from bridgectl.plots.style import BLACK, PLACE_LABEL, SPEED_LABEL, TRACKS, new_axes, styled
+from bridgectl.plots.shown import PaperShown, RoadShown, SurfaceShown
+from bridgectl.plots.style import (
+    BLACK,
+    PLACE_LABEL,
+    SPEED_LABEL,
+    TRACKS,
+    VERMILLION,
+    new_axes,
+    styled,
+)
 
 N_LINES = 5
 """Lines of a plot that is not told its speeds."""
@@ -95,3 +104,78 @@ def _label(surface: SurfaceShown, difference: bool) -> str:
     """What a surface's ramps give, or change."""
     name, unit = surface.quantity
     return f"change of the {name} [{unit}]" if difference else f"{name} [{unit}]"
+
+
+TITLES = ("odd: changes its sign with the ramp", "even: drop and rise have it in common")
+
+
+@styled
+def effects_figure(
+    surface: SurfaceShown,
+    speeds: ArrayLike | None = None,
+    *,
+    road: RoadShown | ArrayLike | None = None,
+) -> Figure:
+    """Draw odd and even effects of ramps over their place, one line a speed.
+
+    Parameters
+    ----------
+    surface : RampSurface
+        A surface of ramps both ways.
+    speeds : array_like, optional
+        Speeds [m/s], of which the surface's nearest are drawn; five across its range if omitted.
+    road : RoadProfile or array_like, optional
+        A road, whose terms o s and e s^2 of the DAE of order 2 are drawn, summed up along it, in
+        place of those of the unit ramp: see `RampSurface.dae`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the surface has ramps down alone, or the road does not fit it.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.plots import effects_figure
+    >>> surface = bc.ramp_surface(
+    ...     bc.li2006.beam(), bc.li2006.car(), 25.0, ramp_height="A", both_ways=True)
+    >>> [axes.get_ylabel() for axes in effects_figure(surface).axes]
+    ['change of the DAF [-]', 'change of the DAF [-]']
+    """
+    values, label = (
+        [surface.odd_effect, surface.even_effect],
+        "change of the {} [{}]".format(*surface.quantity),
+    )
+    if road is not None:
+        scales = surface.ramps(road)
+        values = [np.cumsum(part, axis=1) for part in (values[0] * scales, values[1] * scales**2)]
+        label = "DAE so far - smooth DAF [-]"
+    figure = Figure(figsize=(9, 3.6), layout="constrained")
+    for axes, part, title in zip(figure.subplots(1, 2), values, TITLES, strict=True):
+        draw_lines(axes, surface, part, speeds)
+        axes.set(xlabel=PLACE_LABEL, ylabel=label, title=title)
+    figure.axes[0].legend()
+    return figure
+
+
+@styled
+def paper_figure(results: PaperShown) -> Figure:
+    """Draw Figs. 2, 5(a), 5(b), 6(a) and 6(b) of the paper as computed."""
+    figure = Figure(figsize=(10.0, 10.5), layout="constrained")
+    panels = figure.subplot_mosaic([["2", "2"], ["5(a)", "5(b)"], ["6(a)", "6(b)"]])
+    top = smooth_daf_plot(results.unit, panels["2"])
+    top.set_title("DAF of a smooth road")
+    kmh, printed = results.printed_smooth
+    top.plot(kmh, printed, "o", color=VERMILLION, label=f"printed: {printed:g}")
+    top.margins(x=0)
+    top.legend()
+    for name, surface in (("5", results.unit), ("6", results.tall)):
+        surface_plot(surface, ax=panels[f"{name}(a)"])
+        surface_plot(surface, difference=True, ax=panels[f"{name}(b)"])
+    for name, panel in panels.items():
+        panel.set_title(f"Fig. {name}: {panel.get_title(loc='left')}")
+    return figure
