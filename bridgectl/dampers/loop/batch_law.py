@@ -173,10 +173,7 @@ class BatchLaw:
             If the law, or the update of its states, returns NaN or infinity.
         """
         shape = np.broadcast_shapes(*(np.shape(value) for value in signals.values()))
-        inputs = [
-            [signals[name] for name in SIGNALS], self._gains(shape), _rows(memory),
-            [self.sample_time], _rows(ahead),
-        ]  # fmt: skip
+        inputs = signals, self._gains(shape), memory, ahead
         if self.steps is None:
             return self._one_by_one(inputs, shape)
         with np.errstate(all="ignore"):  # a branch that is not taken may divide by zero
@@ -189,7 +186,7 @@ class BatchLaw:
     def _together(
         self,
         steps: list[_Step],
-        inputs: Sequence[Sequence[Any]],
+        inputs: _Inputs,
         shape: tuple[int, ...],
         sample: int,
     ) -> list[FloatArray]:
@@ -203,17 +200,18 @@ class BatchLaw:
         for k in self.remaining:
             step = steps[k]
             if step.operation == ca.OP_INPUT:
-                values[k] = inputs[step.takes[0]][step.takes[1]]
+                values[k] = _input(step, *inputs)
             else:
                 values[k] = _do(step, values)
         return [np.broadcast_to(values[k], shape) for k in self.outputs]
 
-    def _one_by_one(
-        self, inputs: Sequence[Sequence[Any]], shape: tuple[int, ...]
-    ) -> tuple[FloatArray, FloatArray]:
+    def _one_by_one(self, inputs: _Inputs, shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
         """Case by case in CasADi, for operations that are not among those above."""
-        rows = np.array([np.broadcast_to(case, shape) for each in inputs for case in each])
-        ends = np.cumsum([len(each) for each in inputs])[:-1]
+        signals, gains, *others = inputs
+        memory, ahead = (np.moveaxis(values, 1, 0) for values in others)
+        columns = [signals[name] for name in SIGNALS], gains, memory, [self.sample_time], ahead
+        rows = np.array([np.broadcast_to(case, shape) for each in columns for case in each])
+        ends = np.cumsum([len(each) for each in columns])[:-1]
         several = np.split(rows, shape[0], axis=1) if len(self.laws) > 1 else [rows]
         found = [
             at_sample(self.name, law.function, *np.split(part.reshape(len(part), -1), ends))
@@ -282,9 +280,18 @@ def _told(step: _Step) -> str | None:
     )
 
 
-def _rows(values: FloatArray) -> list[FloatArray]:
-    """Of states or what is seen ahead (S, n, R), n arrays (S, R)."""
-    return [values[:, i] for i in range(values.shape[1])]
+_Inputs = tuple[Mapping[str, ArrayLike], list[Any], FloatArray, FloatArray]
+"""Signals by name, gains, states and what is seen ahead."""
+
+
+def _input(
+    step: _Step, signals: Mapping[str, Any], gains: list[Any], memory: FloatArray, ahead: FloatArray
+) -> Any:
+    """What a step reads, but for the sample time, which is known."""
+    which, entry = step.takes
+    if which == 0:
+        return signals[SIGNALS[entry]]
+    return gains[entry] if which == 1 else (memory if which == 2 else ahead)[:, entry]
 
 
 def _do(step: _Step, values: Mapping[int, Any]) -> Any:
