@@ -362,25 +362,27 @@ def test_a_block_may_have_a_lagged_tire_force_beside_states():
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
-def test_in_c_a_law_with_states_and_preview_is_that_on_arrays(tmp_path):
+@pytest.mark.parametrize("name", LAWS)
+def test_in_c_a_law_with_states_or_preview_is_that_on_arrays(name, tmp_path):
     """Over 200 samples, to 1e-12: signals, gains, states, sample time and ahead to c and states."""
-    law, doubles = seeing_filter(), ctypes.POINTER(ctypes.c_double)
+    law, doubles = LAWS[name], ctypes.POINTER(ctypes.c_double)
     source, library = law.to_c(tmp_path / "law.c"), tmp_path / "law.so"
     subprocess.run(["cc", "-O1", "-shared", "-fPIC", source, "-o", library, "-lm"], check=True)
     damping, work = ctypes.CDLL(str(library)).damping, (ctypes.c_double * 1000)()
     batch, rng = BatchLaw(law, [SPEED], sample_time=4e-3), np.random.default_rng(0)
-    memory, state = batch.start(1, 1), np.zeros(1)
+    memory, state = batch.start(1, 1), np.array([*law.states.values(), 0.0])
     for _ in range(200):
-        values, ahead = rng.normal(0, 0.1, len(SIGNALS)), rng.normal(0, 0.01, 2)
-        c, after = np.zeros(1), np.zeros(1)
-        given = [values, np.array([20.0]), state, np.array([4e-3]), ahead]
+        values = rng.normal(0, 0.1, len(SIGNALS))
+        ahead = rng.normal(0, 0.01, len(law.preview))
+        c, after = np.zeros(1), np.zeros_like(state)
+        given = [values, np.array([*law.gains.values(), 0.0]), state, np.array([4e-3]), ahead]
         arguments = (doubles * 5)(*(value.ctypes.data_as(doubles) for value in given))
         results = (doubles * 2)(*(value.ctypes.data_as(doubles) for value in (c, after)))
         damping(arguments, results, None, work, 0)
         signals = dict(zip(SIGNALS, values.reshape(-1, 1, 1), strict=True))
-        expected, memory = batch.command(signals, memory, ahead.reshape(1, 2, 1))
+        expected, memory = batch.command(signals, memory, ahead.reshape(1, -1, 1))
         assert c == pytest.approx(expected[0], rel=1e-12)
-        assert after == pytest.approx(memory[0, 0], rel=1e-12)
+        assert after[:-1] == pytest.approx(memory[0, :, 0], rel=1e-12)
         state = after
 
 

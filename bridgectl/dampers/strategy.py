@@ -75,7 +75,7 @@ class Strategy:
         Value, least and largest value of each gain by name, as ``{"share": (0.5, 0.0, 1.0)}``.
     states : mapping, optional
         Initial values of states, as of a filter, by name: attributes of ``s``, beside
-        ``s.sample_time`` [s].
+        ``s.sample_time`` [s]. Their order is that of C: see `to_c`.
     update : callable, optional
         ``update(s, g)`` returns every state's next value by name. At each sample the law comes
         first: both have the states as the last sample left them.
@@ -239,8 +239,8 @@ class Strategy:
         ----------
         signals : array_like
             Signals by name, of shapes that broadcast: see `bridgectl.dampers.SIGNALS` for units.
-            Others are 0. So are states, which else have their initial values; `ahead` [m], whose
-            last axis is the distances of `preview`; and `sample_time` [s], one number, else 2 ms.
+            Others are 0. By name come states, too, else their initial values; `ahead` [m], whose
+            last axis is the distances of `preview`, else 0; and `sample_time` [s], else 2 ms.
 
         Returns
         -------
@@ -354,8 +354,9 @@ class Strategy:
         """Write the law as a C file with the function ``damping(signals, gains) -> c``.
 
         With states or preview it is ``damping(signals, gains, states, sample_time, ahead) -> (c,
-        next_states)``, of states as the last sample left them. What is no finite number the
-        function returns as it is: NaN or infinity.
+        next_states)``: signals in the order of `bridgectl.dampers.SIGNALS`, gains and states in
+        that of `gains` and `states`, these as the last sample left them. What is no finite number
+        the function returns as it is: NaN or infinity.
 
         Parameters
         ----------
