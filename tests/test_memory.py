@@ -154,7 +154,7 @@ def test_alone_or_beside_others_in_any_order_a_crossing_is_the_same(name):
 
 def test_the_fast_way_of_roads_alike_until_their_ramp_is_that_of_roads_each_on_its_own():
     """Until a ramp begins its road has the memory of the level one, filled by the smooth bridge."""
-    crossing = bc.Crossing(BEAM, bare_vehicle(CAR), SPEED)
+    crossing = bc.Crossing(BEAM, bare_vehicle(CAR))
     places = np.array([20, 60, 90])
     level = np.zeros((1, X.size))
     roads = np.vstack([level, 5e-3 * (np.arange(X.size) > places[:, np.newaxis])])
@@ -169,7 +169,7 @@ def test_the_fast_way_of_roads_alike_until_their_ramp_is_that_of_roads_each_on_i
 
 
 def test_with_preview_a_road_with_a_ramp_is_not_the_level_one_before_it():
-    crossing = bc.Crossing(BEAM, bare_vehicle(CAR), SPEED)
+    crossing = bc.Crossing(BEAM, bare_vehicle(CAR))
     roads = np.vstack([np.zeros((1, X.size)), 5e-3 * (X > 6)])
     found = [
         Loop(crossing, Damper(looking()), np.array([SPEED]), X, roads, ("damping",), begins=begins)
@@ -228,7 +228,7 @@ def test_a_controller_of_ones_own_is_asked_at_every_sample_of_its_crossing():
             return 2e3 + memory[:, 0] + 0 * signals["body_velocity"], memory + 1
 
     speeds = np.array([20.0, SPEED])
-    crossing = bc.Crossing(BEAM, bare_vehicle(CAR), SPEED)
+    crossing = bc.Crossing(BEAM, bare_vehicle(CAR))
     loop = Loop(crossing, Damper(passive(7e3)), speeds, X, ROADS, ("damping",))
     loop.controller = Counting()
     for histories in loop.run().histories:
