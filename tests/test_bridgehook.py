@@ -275,7 +275,7 @@ def test_the_laws_of_all_speeds_are_evaluated_together(feedback):
         LAWS[feedback].for_speed(speed).command(**{k: v[i] for k, v in signals.items()})
         for i, speed in enumerate(speeds)
     ]
-    assert np.array_equal(batch(signals), each)
+    assert np.array_equal(batch.command(signals)[0], each)
 
 
 def test_it_is_a_block_of_the_control_library_and_a_c_file_at_each_speed(tmp_path):

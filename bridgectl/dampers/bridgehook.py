@@ -27,14 +27,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
-import control
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.actuator import bare_vehicle
-from bridgectl.dampers.block import RATE_TIME
 from bridgectl.dampers.costate import REACH, Costate, costate
 from bridgectl.dampers.peak_value import PeakValue, peak_value
 from bridgectl.dampers.strategy import Strategy
@@ -138,27 +136,6 @@ lag=0 s)
             return _costate_law(costate(*case, effect=self.effect), self)
         bounds = self.c_min, self.c_max
         return _feedback_law(peak_value(*case, *bounds, effect=self.effect, reach=REACH), self)
-
-    def system(self, speed: float, *, rate_time: float = RATE_TIME) -> control.NonlinearIOSystem:
-        """Return the law at a speed as an I/O block: see `Strategy.system`.
-
-        Parameters
-        ----------
-        speed : float
-            Speed c [m/s].
-        rate_time : float, optional
-            Time constant of the rate of the tire force [s], which this law does not measure.
-
-        Returns
-        -------
-        control.NonlinearIOSystem
-
-        Raises
-        ------
-        TypeError, ValueError
-            If `speed` is not above 0 m/s.
-        """
-        return self.for_speed(speed).system(speed, rate_time=rate_time)
 
     def command(self, **signals: ArrayLike) -> FloatArray:
         """Evaluate the command at one speed, one of the signals: see `Strategy.command`.

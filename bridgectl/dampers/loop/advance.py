@@ -50,7 +50,10 @@ BETWEEN = QUARTIC @ np.vander(np.linspace(0, 1, 65), 5, increasing=True).T
 
 @dataclass
 class Ends:
-    """A run at the end of a step: arrays (S, R); states (S, 1 + n, R), the first row ones."""
+    """A run at the end of a step: arrays (S, R); states (S, 1 + n, R), the first row ones.
+
+    The controller's memory is of shape (S, m, R).
+    """
 
     states: FloatArray
     force: FloatArray
@@ -65,6 +68,7 @@ class Ends:
     lift_off: FloatArray
     energy: FloatArray
     switches: NDArray[np.intp]
+    memory: FloatArray
 
     @property
     def velocity(self) -> FloatArray:
