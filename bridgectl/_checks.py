@@ -43,10 +43,10 @@ def not_negative(name: str, value: Any, *, unit: str = "") -> float:
     return result
 
 
-def fraction(name: str, value: Any, length: float | None = None, *, ends: bool = False) -> float:
-    """Return `value` as a float between 0 and 1, of a span of `length` [m]; at its `ends` too."""
+def fraction(name: str, value: Any, length: float | None = None) -> float:
+    """Return `value` as a float strictly between 0 and 1, of a span of `length` [m]."""
     result = number(name, value)
-    if not (0 < result < 1 or (ends and 0 <= result <= 1)):
+    if not 0 < result < 1:
         remedies = []
         if length is not None and 1 < result < length:
             remedies.append(f"for {result:g} m of {length:g} m type {result / length:.4g}")

@@ -6,8 +6,7 @@ and judged here, once, and the engines of linear crossings and of closed loops n
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import control
 import numpy as np
@@ -15,32 +14,21 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
-from bridgectl._places import count_pieces
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.estimates import require_surface
 from bridgectl.linear.response import (
-    METHODS,
-    as_response,
-    checked_times,
-    linear_dafs,
-    linear_response,
-)
+    METHODS, as_response, checked_times, linear_dafs, linear_response,
+)  # fmt: skip
 from bridgectl.linear.runs import Run, prepare
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing, make_crossing
-from bridgectl.model.effects import BodyAcceleration, Effect
+from bridgectl.model.crossing import make_crossing, require_factor
+from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion, as_motion
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
-from bridgectl.surface.compute import (
-    RAMP_HEIGHT,
-    RAMP_LENGTH,
-    RampGrid,
-    linear_surface,
-    unit_height,
-)
+from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, linear_surface, ramp_grid
 from bridgectl.surface.surface import RampSurface
 
 if TYPE_CHECKING:
@@ -208,14 +196,14 @@ def daf(
     """
     c = _checks.speeds(speeds)
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
-    _require_factor(crossing)
+    require_factor(crossing)
     run = prepare(crossing, profile, start)
     judge_crossing(crossing, c, profile)
     device = None
     if damper is not None:
         bare, device = _fast(vehicle, damper, method)
         judge_range(bare, device)
-        crossing, device = _resolved(crossing, bare, device)
+        crossing, device = device.resolved(crossing)
     return _peaks(run._replace(crossing=crossing), c, device, method, progress)
 
 
@@ -275,7 +263,7 @@ def peak_effect(
     if damper is not None:
         bare, device = _fast(vehicle, damper, method)
         judge_range(bare, device)
-        crossing, device = _resolved(crossing, bare, device)
+        crossing, device = device.resolved(crossing)
     return unit * _peaks(run._replace(crossing=crossing), c, device, method, progress)
 
 
@@ -364,28 +352,17 @@ def ramp_surface(
     (np.float64(2.9), np.float64(0.00429))
     """
     c = _checks.speeds(speeds)
-    length = _checks.positive("ramp_length", ramp_length, unit="m")
-    before = _checks.not_negative("approach", approach, unit="m")
-    _checks.flag("both_ways", both_ways)
-    step = _checks.integer("every", every, at_least=1)
-    if length > getattr(beam, "length", np.inf):  # what is no bridge is told of below
-        raise ValueError(
-            f"ramp_length must not exceed the bridge of {beam.length:g} m, got {length:g} m: for "
-            f"{length:g} mm type {length / 1000:g}"
-        )
     _checks.choice("method", method, METHODS)
     _checks.flag("progress", progress)
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every)
     judge_crossing(crossing, c)
-    require_surface(crossing, c, before, length, method)
-    n_ramps = count_pieces(before + beam.length, length)
-    height = unit_height(ramp_height, length, n_ramps)
-    grid = RampGrid(before, length, height, n_ramps, both_ways, step)
+    require_surface(crossing, c, grid.approach, grid.length, method)
     device = None
     if damper is not None:
         bare, device = _fast(vehicle, damper, method)
         judge_range(bare, device)
-        crossing, device = _resolved(crossing, bare, device)
+        crossing, device = device.resolved(crossing)
     if device is not None:
         from bridgectl.dampers.loop.damped import damped_surface
 
@@ -405,21 +382,6 @@ def _fast(
     return bare_vehicle(vehicle), device
 
 
-def _resolved(
-    crossing: Crossing, bare: QuarterCar, device: Damper
-) -> tuple[Crossing, Damper | None]:
-    """A constant damper is another vehicle, whose crossing is linear."""
-    if device.constant is None:
-        if isinstance(crossing.effect, BodyAcceleration):
-            raise ValueError(
-                "with a damper that is not constant the effect is a moment, a deflection or a tire "
-                f"force, got {crossing.effect!r}: histories of accelerations has simulate_loop("
-                'record=["body_acceleration"])'
-            )
-        return crossing, device
-    return replace(crossing, vehicle=replace(bare, damping=device.constant)), None
-
-
 def _peaks(
     run: Run, speeds: FloatArray, device: Damper | None, method: str, progress: bool
 ) -> FloatArray:
@@ -431,12 +393,3 @@ def _peaks(
     from bridgectl.dampers.loop.damped import damped_dafs
 
     return damped_dafs(run, device, speeds)
-
-
-def _require_factor(crossing: Crossing) -> None:
-    if crossing.static_peak == 0:
-        effect: Any = crossing.effect
-        raise ValueError(
-            f"effect must have a static peak for a factor, and the {effect.sense} static "
-            f"{effect.label} of {effect!r} is 0 {effect.unit}: type peak_effect(...) for its peak"
-        )

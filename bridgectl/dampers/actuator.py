@@ -12,6 +12,8 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_damper
 from bridgectl.dampers.strategy import Strategy
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.effects import BodyAcceleration
 from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 from bridgectl.model.vehicle import Vehicle
 
@@ -90,6 +92,34 @@ lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
         One of a constant damper, several of `preset`.
         """
         return self.strategy.kept if self.max_force == np.inf else None
+
+    def resolved(self, crossing: Crossing) -> tuple[Crossing, Damper | None]:
+        """Return the crossing with a constant damper in the vehicle, or with one that is not.
+
+        Parameters
+        ----------
+        crossing : Crossing
+            Of a `QuarterCar`.
+
+        Returns
+        -------
+        tuple of Crossing and Damper or None
+
+        Raises
+        ------
+        ValueError
+            If the damper is not constant and the effect an acceleration.
+        """
+        if self.constant is not None:
+            car = replace(bare_vehicle(crossing.vehicle), damping=self.constant)
+            return replace(crossing, vehicle=car), None
+        if isinstance(crossing.effect, BodyAcceleration):
+            raise ValueError(
+                "with a damper that is not constant the effect is a moment, a deflection or a tire "
+                f"force, got {crossing.effect!r}: histories of accelerations has simulate_loop("
+                'record=["body_acceleration"])'
+            )
+        return crossing, self
 
     def __repr__(self) -> str:
         return (

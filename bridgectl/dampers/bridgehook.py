@@ -38,7 +38,7 @@ from bridgectl.dampers.peak_value import PeakValue, peak_value
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing
-from bridgectl.model.effects import Effect
+from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
 
 SPACING = 0.7

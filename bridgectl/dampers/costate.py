@@ -15,7 +15,7 @@ from bridgectl.linear.prediction import Prediction, predict
 from bridgectl.linear.runs import Stretch, effect_samples, prepare, propagate
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing
-from bridgectl.model.effects import Effect
+from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
 

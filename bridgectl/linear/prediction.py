@@ -16,7 +16,7 @@ from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import Run, Stretch, lifts_off, prepare, propagate
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing
-from bridgectl.model.effects import Effect
+from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle

@@ -189,7 +189,7 @@ class Beam:
         """
         _checks.refuse_masked("x", x)
         position = np.asarray(x, dtype=np.float64)
-        at = _checks.fraction("section", section, ends=True) * self.length
+        at = _checks.fraction("section", section) * self.length
         rising = position * (1 - at / self.length)
         falling = at * (1 - position / self.length)
         return np.maximum(np.minimum(rising, falling), 0.0)
@@ -212,7 +212,7 @@ class Beam:
         TypeError, ValueError
             If `section` is not a fraction from 0 to 1.
         """
-        shape = self.mode_shapes(_checks.fraction("section", section, ends=True) * self.length)
+        shape = self.mode_shapes(_checks.fraction("section", section) * self.length)
         return np.asarray(self.flexural_rigidity * self.wavenumbers**2 * shape)
 
     @cached_property

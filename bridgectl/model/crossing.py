@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_load
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.effects import SENSES, Deflection, Effect, EffectRows, Moment, as_effect
+from bridgectl.model.effect import SENSES, Effect, EffectRows
+from bridgectl.model.effects import Deflection, Moment, as_effect
 from bridgectl.model.equations import Equations
 from bridgectl.model.motion import Motion, as_motion
 from bridgectl.model.quarter_car import QuarterCar
@@ -316,6 +317,16 @@ def make_crossing(
     """Return the crossing of an effect, or of its name with a section and a recovery."""
     _require_pair(beam, vehicle)
     return Crossing(beam, vehicle, as_effect(effect, beam, vehicle.linear, section, recovery))
+
+
+def require_factor(crossing: Crossing) -> None:
+    """Refuse an effect whose static peak is nothing: what is over it would be no factor."""
+    if crossing.static_peak == 0:
+        effect = crossing.effect
+        raise ValueError(
+            f"effect must have a static peak for a factor, and the {effect.sense} static "
+            f"{effect.label} of {effect!r} is 0 {effect.unit}: type peak_effect(...) for its peak"
+        )
 
 
 def _require_pair(beam: object, vehicle: object) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
-from bridgectl._places import even_places
+from bridgectl._places import count_pieces, even_places
 from bridgectl._progress import track
 from bridgectl._warn import warn
 from bridgectl.linear.cells import bridge_entry, sample_positions
@@ -91,6 +91,25 @@ class RampGrid:
             self.height, speeds, x, smooth, unit, histories,
             rise[0] if self.both_ways else None, self.every,
         )  # fmt: skip
+
+
+def ramp_grid(
+    bridge: float, approach: float, ramp_length: float, ramp_height: float | str,
+    both_ways: bool, every: int,
+) -> RampGrid:  # fmt: skip
+    """Check where ramps are to lie before and on a bridge so long [m]: see `ramp_surface`."""
+    length = _checks.positive("ramp_length", ramp_length, unit="m")
+    before = _checks.not_negative("approach", approach, unit="m")
+    _checks.flag("both_ways", both_ways)
+    step = _checks.integer("every", every, at_least=1)
+    if length > bridge:
+        raise ValueError(
+            f"ramp_length must not exceed the bridge of {bridge:g} m, got {length:g} m: for "
+            f"{length:g} mm type {length / 1000:g}"
+        )
+    n_ramps = count_pieces(before + bridge, length)
+    height = unit_height(ramp_height, length, n_ramps)
+    return RampGrid(before, length, height, n_ramps, both_ways, step)
 
 
 def linear_surface(

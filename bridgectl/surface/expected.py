@@ -10,7 +10,7 @@ import numpy as np
 
 from bridgectl import _checks
 from bridgectl.model.beam import Beam
-from bridgectl.model.effects import Effect
+from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.recovery import RECOVERIES
 from bridgectl.model.vehicle import Vehicle

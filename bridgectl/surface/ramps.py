@@ -15,7 +15,7 @@ from bridgectl._checks import FloatArray
 from bridgectl.linear.runs import linear_contact, prepare
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
-from bridgectl.model.effects import Effect
+from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile

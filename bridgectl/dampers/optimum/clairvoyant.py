@@ -40,7 +40,7 @@ from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import prepare
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing
-from bridgectl.model.effects import Effect
+from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
