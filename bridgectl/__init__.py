@@ -38,14 +38,18 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
+from bridgectl._gone import no_attribute
 from bridgectl._version import __version__ as __version__
 
 if TYPE_CHECKING:
     from bridgectl._plausible import PlausibilityWarning
     from bridgectl.animation import crossing_animation
     from bridgectl.linear.lift_off import LiftOffWarning
+    from bridgectl.linear.prediction import prediction_matrices
     from bridgectl.model.beam import Beam
     from bridgectl.model.crossing import Crossing, crossing_system
+    from bridgectl.model.effects import BodyAcceleration, Deflection, Moment, TireForce
+    from bridgectl.model.motion import Motion
     from bridgectl.model.quarter_car import QuarterCar, convoy
     from bridgectl.model.vehicle import Vehicle
     from bridgectl.paper import li2006
@@ -62,17 +66,20 @@ if TYPE_CHECKING:
     from bridgectl.scoring.calibration import calibrated_class_dae
     from bridgectl.scoring.ramp_heights import ramp_heights
     from bridgectl.scoring.run import score
-    from bridgectl.simulate import crossing_response, daf, ramp_surface
+    from bridgectl.simulate import crossing_response, daf, peak_effect, ramp_surface
     from bridgectl.surface.expected import SurfaceFileError
     from bridgectl.surface.load import load_surface
     from bridgectl.surface.surface import RampSurface
-    from bridgectl.surface.trust import DaeTrust, dae_trust
+    from bridgectl.surface.trust import dae_trust
 
 __all__ = [
     "Beam",
+    "BodyAcceleration",
     "Crossing",
-    "DaeTrust",
+    "Deflection",
     "LiftOffWarning",
+    "Moment",
+    "Motion",
     "PlausibilityWarning",
     "ProfileFileError",
     "QuarterCar",
@@ -80,6 +87,7 @@ __all__ = [
     "RoadProfile",
     "Scoreboard",
     "SurfaceFileError",
+    "TireForce",
     "Vehicle",
     "calibrated_class_dae",
     "convoy",
@@ -91,6 +99,8 @@ __all__ = [
     "iso8608_profile",
     "li2006",
     "load_surface",
+    "peak_effect",
+    "prediction_matrices",
     "ramp_heights",
     "ramp_surface",
     "read_profile",
@@ -103,16 +113,22 @@ __all__ = [
 _ROOMS = {
     "dampers": "dampers", "extremes": "extremes", "li2006": "paper.li2006",
     "measures": "measures", "passive_theory": "dampers.passive_theory", "plots": "plots",
-    "road": "road", "validation": "paper.validation", "weighting": "measures.weighting",
+    "road": "road",
 }  # fmt: skip
 """Modules that are offered as such, and where they are."""
+
+_MOVED = {"validation": "paper.validation", "weighting": "measures.weighting"}
+"""Modules that are found where they once were."""
 
 _HOMES = {
     "_plausible": ("PlausibilityWarning",),
     "animation": ("crossing_animation",),
     "linear.lift_off": ("LiftOffWarning",),
+    "linear.prediction": ("prediction_matrices",),
     "model.beam": ("Beam",),
     "model.crossing": ("Crossing", "crossing_system"),
+    "model.effects": ("BodyAcceleration", "Deflection", "Moment", "TireForce"),
+    "model.motion": ("Motion",),
     "model.quarter_car": ("QuarterCar", "convoy"),
     "model.vehicle": ("Vehicle",),
     "road": (
@@ -123,11 +139,11 @@ _HOMES = {
     "scoring.calibration": ("calibrated_class_dae",),
     "scoring.ramp_heights": ("ramp_heights",),
     "scoring.run": ("score",),
-    "simulate": ("crossing_response", "daf", "ramp_surface"),
+    "simulate": ("crossing_response", "daf", "peak_effect", "ramp_surface"),
     "surface.expected": ("SurfaceFileError",),
     "surface.load": ("load_surface",),
     "surface.surface": ("RampSurface",),
-    "surface.trust": ("DaeTrust", "dae_trust"),
+    "surface.trust": ("dae_trust",),
 }  # fmt: skip
 """Where the other names are from. All are loaded when they are first used: that takes a second,
 in which the command line must already listen to Ctrl-C, and the dampers bring CasADi."""
@@ -144,9 +160,9 @@ def __getattr__(name: str) -> Any:
     if home is not None:
         globals()[name] = found = getattr(import_module(f"bridgectl.{home}"), name)
         return found
-    if name in _ROOMS:
-        globals()[name] = room = import_module(f"bridgectl.{_ROOMS[name]}")
+    if where := (_ROOMS | _MOVED).get(name):
+        globals()[name] = room = import_module(f"bridgectl.{where}")
         return room
     if not name.startswith("__") and find_spec(f"bridgectl.{name}"):
         return import_module(f"bridgectl.{name}")
-    raise AttributeError(f"module 'bridgectl' has no attribute {name!r}")
+    raise no_attribute("bridgectl", name)

@@ -7,13 +7,7 @@ import signal
 
 
 def main() -> int:
-    """Run a command; leave quietly at Ctrl-C, even while libraries are loaded.
-
-    Returns
-    -------
-    int
-        Exit status, see `bridgectl.cli.main.main`; 130 after Ctrl-C.
-    """
+    """Run a command: 130 after Ctrl-C, at which it leaves quietly, even while libraries load."""
     heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # not so under nohup
     if heard:  # nothing is lost yet, and an exception might end in a library's own import
         signal.signal(signal.SIGINT, lambda *_: os._exit(130))

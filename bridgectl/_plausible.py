@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import from_kmh, to_kmh
 from bridgectl._warn import asker, warn
 
 # The modules of these classes import this one.
@@ -118,6 +119,11 @@ def judge_crossing(
     judge_roads(*roads)
 
 
+def judge_load(crossing: Crossing) -> None:
+    """Warn of a vehicle that does not go with the bridge."""
+    _tell(_load_doubts(crossing))
+
+
 def judge_roads(*roads: RoadProfile | None) -> None:
     """Warn of roads that are too rough to be driven, or have a grade."""
     _tell(chain.from_iterable(_road_doubts(road) for road in roads if road is not None))
@@ -135,7 +141,7 @@ def judge_range(car: QuarterCar, *dampers: Damper) -> None:
 
 def judge_kmh(option: str, speeds: FloatArray) -> None:
     """Warn of speeds [km/h] on the command line."""
-    _tell(_speed_doubts(option, float(speeds.max()) / 3.6, "type km/h, as 80"))
+    _tell(_speed_doubts(option, from_kmh(float(speeds.max())), "type km/h, as 80"))
 
 
 def judge_smoothness(name: str, iri: float) -> None:
@@ -157,7 +163,7 @@ def _tell(doubts: Iterator[str]) -> None:
 def _speed_doubts(name: str, fastest: float, remedy: str) -> Iterator[str]:
     if fastest >= FASTEST:
         yield (
-            f"{name} of {fastest:.4g} m/s ({fastest * 3.6:.4g} km/h) is faster than any road "
+            f"{name} of {fastest:.4g} m/s ({to_kmh(fastest):.4g} km/h) is faster than any road "
             f"vehicle: {remedy}"
         )
 

@@ -73,16 +73,9 @@ _latest: list[tuple[Callable[..., Work], Mapping[str, Given]]] = []
 def require_feasible(
     estimate: Callable[..., Work], arguments: Mapping[str, Given], *, announced: bool = True
 ) -> None:
-    """Refuse work beyond the limits, and announce what takes minutes.
+    """Refuse work beyond the limits, and announce what takes minutes without a progress bar.
 
-    Parameters
-    ----------
-    estimate : callable
-        The work for values of all `arguments`, by name.
-    arguments : mapping of str to Given
-        What counts; the one that can save most is named.
-    announced : bool
-        Whether long work that is allowed needs a word: it has no progress bar.
+    The estimate takes values of all arguments by name, of which the one that can save most is told.
     """
     _latest[:] = [(estimate, arguments)]
     work = _evaluate(estimate, arguments)

@@ -10,8 +10,9 @@ from bridgectl import _checks as check
 from bridgectl.dampers import Damper, Strategy
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
-from bridgectl.model.quarter_car import QuarterCar
-from bridgectl.plots.animation import BETWEEN, Motion, draw_crossing
+from bridgectl.model.motion import Motion
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
+from bridgectl.plots.animation import BETWEEN, DrawnCrossing, draw_crossing
 from bridgectl.road import RoadProfile
 from bridgectl.simulate import crossing_response
 
@@ -80,45 +81,42 @@ def crossing_animation(
     >>> import tempfile
     >>> from pathlib import Path
     >>> import bridgectl as bc
-    >>> from bridgectl.animation import crossing_animation
-    >>> animation = crossing_animation(bc.li2006.beam(), bc.li2006.car(), 110 / 3.6, frames=3)
+    >>> animation = bc.crossing_animation(bc.li2006.beam(), bc.li2006.car(), 110 / 3.6, frames=3)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     animation.save(Path(folder) / "crossing.gif", writer="pillow")
     ...     (Path(folder) / "crossing.gif").read_bytes()[:6]
     b'GIF89a'
     """
-    if not isinstance(vehicle, QuarterCar):
-        raise TypeError(
-            f"vehicle must be a bridgectl.QuarterCar to be drawn, got {type(vehicle).__name__}"
-        )
-    crossing = Crossing(beam, vehicle, speed)
+    crossing = Crossing(beam, require_quarter_car(vehicle, "no other is drawn"))
+    c = Motion(speed).speed
     count = check.integer("frames", frames, at_least=2)
     rate = check.positive("fps", fps)
-    c, span = crossing.speed, beam.length
+    span = beam.length
     first = max(check.number("start", start, unit="m"), -RUNS_UP * span)
     x = np.linspace(first, (1 + ROLLS_ON) * span, BETWEEN * (count - 1) + 1)
     response = crossing_response(
         beam, vehicle, c, profile, start=start, damper=damper, tail=(ROLLS_ON + 0.01) * span / c,
         timepts=x / c,
     )  # fmt: skip
-    return draw_crossing(_motion(crossing, response, profile, start), rate)
+    return draw_crossing(_drawn(crossing, c, response, profile, start), rate)
 
 
-def _motion(
+def _drawn(
     crossing: Crossing,
+    speed: float,
     response: control.TimeResponseData,
     profile: RoadProfile | None,
     start: float,
-) -> Motion:
+) -> DrawnCrossing:
     """Take what is drawn from the response."""
     outputs, states = np.asarray(response.outputs), np.asarray(response.states)
     signal = dict(zip(response.output_labels, outputs, strict=True))
-    x, modes = response.time * crossing.speed, states[crossing.n_vehicle :: 2].T
+    x, modes = response.time * speed, states[crossing.n_vehicle :: 2].T
     weight, stiffness = crossing.linear.static_loads[0], crossing.linear.tire_stiffnesses[0]
     force, line = signal["tire_force"], crossing.beam.influence_line
-    return Motion(
+    return DrawnCrossing(
         crossing.beam,
-        crossing.speed,
+        speed,
         profile,
         start,
         x,

@@ -6,7 +6,6 @@ and judged here, once, and the engines of linear crossings and of closed loops n
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import control
@@ -15,24 +14,21 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
-from bridgectl._places import SAME_PLACE, count_pieces
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.estimates import require_surface
-from bridgectl.linear.response import METHODS, linear_dafs, linear_response
+from bridgectl.linear.response import (
+    METHODS, as_response, checked_times, linear_dafs, linear_response,
+)  # fmt: skip
 from bridgectl.linear.runs import Run, prepare
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import make_crossing, require_factor
+from bridgectl.model.effect import Effect
+from bridgectl.model.motion import Motion, as_motion
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
-from bridgectl.surface.compute import (
-    RAMP_HEIGHT,
-    RAMP_LENGTH,
-    RampGrid,
-    linear_surface,
-    unit_height,
-)
+from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, linear_surface, ramp_grid
 from bridgectl.surface.surface import RampSurface
 
 if TYPE_CHECKING:
@@ -45,12 +41,13 @@ if TYPE_CHECKING:
 def crossing_response(
     beam: BridgeModel,
     vehicle: Vehicle | QuarterCar,
-    speed: float,
+    speed: float | Motion,
     profile: RoadProfile | None = None,
     *,
     start: float = 0.0,
     section: float = 0.5,
     recovery: str = "exact",
+    effect: Effect | str = "moment",
     method: str = "propagator",
     damper: Damper | Strategy | None = None,
     tail: float = 0.0,
@@ -63,8 +60,12 @@ def crossing_response(
 
     Parameters
     ----------
-    beam, vehicle, speed, section, recovery
+    beam, vehicle
         See `Crossing`.
+    speed : float or Motion
+        Speed c [m/s]; a motion that is not uniform goes with ``method="control"``.
+    section, recovery, effect
+        Where 'moment' and 'deflection' are read, and how: see `daf`.
     profile : RoadProfile, optional
         The road, covering `start` to the end of the bridge; level beyond its end. Default:
         a smooth road.
@@ -116,18 +117,24 @@ def crossing_response(
     >>> print(f"{response.outputs['moment'].max():.4f}")
     1.1302
     """
-    crossing = Crossing(beam, vehicle, speed, section, recovery)
+    motion, crossing = as_motion(speed), make_crossing(beam, vehicle, effect, section, recovery)
     _checks.choice("method", method, METHODS)
-    run = prepare(crossing, profile, start, tail)
-    judge_crossing(crossing, crossing.speed, profile)
-    asked = None if timepts is None else _times(timepts, run) * crossing.speed
+    if method == "propagator" and not motion.uniform:
+        raise ValueError(f'{motion!r} is not uniform: type method="control", without a damper')
+    run = prepare(crossing, profile, start)
+    after = _checks.not_negative("tail", tail, unit="s")
+    run = run._replace(end=motion.position(motion.time(run.end) + after) if after else run.end)
+    judge_crossing(crossing, motion.speed, profile)
+    asked = None if timepts is None else motion.position(checked_times(timepts, run, motion))
     if damper is None:
-        return _as_response(run, *linear_response(run, asked, method))
+        return as_response(run, motion, *linear_response(run, motion, asked, method))
     from bridgectl.dampers.loop.damped import damped_response
 
     bare, device = _fast(vehicle, damper, method)
     judge_range(bare, device)
-    return _as_response(*damped_response(run, device, np.zeros(0) if asked is None else asked))
+    places = np.zeros(0) if asked is None else asked
+    bare_run, *found = damped_response(run, motion.speed, device, places)
+    return as_response(bare_run, motion, *found)
 
 
 @on_one_thread
@@ -140,7 +147,7 @@ def daf(
     start: float = 0.0,
     section: float = 0.5,
     recovery: str = "exact",
-    effect: str = "moment",
+    effect: Effect | str = "moment",
     method: str = "propagator",
     damper: Damper | Strategy | None = None,
     progress: bool = True,
@@ -151,12 +158,16 @@ def daf(
 
     Parameters
     ----------
-    beam, vehicle, section, recovery, effect
+    beam, vehicle
         See `Crossing`.
+    section, recovery, effect : optional
+        What the factor is of: `Moment`, `Deflection` or `TireForce`. 'moment' and 'deflection' are
+        short for those at a section, a fraction of the span, and with the recovery of `Moment`;
+        'tire_force' ('tire_force_1', ... of several tires) for that of a tire.
     speeds : float or array_like
         Speeds c [m/s].
     profile, start, method, damper
-        See `crossing_response`; with a damper, the effect is the moment.
+        See `crossing_response`.
     progress : bool, optional
         Whether a progress bar shows on a terminal while speeds are simulated one by one.
 
@@ -167,7 +178,7 @@ def daf(
     Raises
     ------
     TypeError, ValueError
-        As `crossing_response`.
+        As `crossing_response`; also if the effect has no static peak: see `peak_effect`.
 
     Warns
     -----
@@ -184,23 +195,76 @@ def daf(
     array([1.0551, 1.1302])
     """
     c = _checks.speeds(speeds)
-    _checks.flag("progress", progress)
-    crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
-    _checks.choice("method", method, METHODS)
+    crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    require_factor(crossing)
     run = prepare(crossing, profile, start)
     judge_crossing(crossing, c, profile)
     device = None
     if damper is not None:
         bare, device = _fast(vehicle, damper, method)
-        _checks.choice("effect", effect, ("moment",))
         judge_range(bare, device)
-        crossing, device = _resolved(crossing, bare, device)
-        run = run._replace(crossing=crossing)
-    if device is not None:
-        from bridgectl.dampers.loop.damped import damped_dafs
+        crossing, device = device.resolved(crossing)
+    return _peaks(run._replace(crossing=crossing), c, device, method, progress)
 
-        return damped_dafs(run, device, c)
-    return linear_dafs(run, c, method, progress)
+
+@on_one_thread
+def peak_effect(
+    beam: BridgeModel,
+    vehicle: Vehicle | QuarterCar,
+    speeds: ArrayLike,
+    profile: RoadProfile | None = None,
+    *,
+    start: float = 0.0,
+    section: float = 0.5,
+    recovery: str = "exact",
+    effect: Effect | str = "moment",
+    method: str = "propagator",
+    damper: Damper | Strategy | None = None,
+    progress: bool = True,
+) -> FloatArray:
+    """Peak of an effect, in its own unit, whether or not static loads give it one.
+
+    Parameters
+    ----------
+    beam, vehicle, speeds, profile, start, section, recovery, method, damper, progress
+        See `daf`.
+    effect : Moment, Deflection, TireForce, BodyAcceleration or str, optional
+        What the peak is of; 'acceleration' is that of the first coordinate of the vehicle.
+
+    Returns
+    -------
+    ndarray, shape (n_speeds,)
+        In N m, m, N or m/s^2.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `crossing_response`.
+
+    Warns
+    -----
+    LiftOffWarning, PlausibilityWarning, UserWarning
+        As `daf`.
+
+    Examples
+    --------
+    How far the span rises again behind the truck:
+
+    >>> import bridgectl as bc
+    >>> beam, car = bc.li2006.beam(), bc.li2006.car()
+    >>> bc.peak_effect(beam, car, 30.0, effect=bc.Deflection(sense="smallest")).round(5)
+    array([-5.e-05])
+    """
+    c = _checks.speeds(speeds)
+    crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    run = prepare(crossing, profile, start)
+    judge_crossing(crossing, c, profile)
+    unit, device = crossing.static_peak or 1.0, None
+    if damper is not None:
+        bare, device = _fast(vehicle, damper, method)
+        judge_range(bare, device)
+        crossing, device = device.resolved(crossing)
+    return unit * _peaks(run._replace(crossing=crossing), c, device, method, progress)
 
 
 @on_one_thread
@@ -216,7 +280,7 @@ def ramp_surface(
     every: int = 1,
     section: float = 0.5,
     recovery: str = "exact",
-    effect: str = "moment",
+    effect: Effect | str = "moment",
     method: str = "propagator",
     damper: Damper | Strategy | None = None,
     progress: bool = True,
@@ -226,8 +290,8 @@ def ramp_surface(
     Parameters
     ----------
     beam, vehicle, section, recovery, effect
-        See `bridgectl.Crossing`. Of an effect other than the moment, every "DAF" is that
-        effect's largest value over its largest static one; of the acceleration, in m/s^2.
+        See `daf`. Of an effect without a static peak, as an acceleration, "DAF" stands for its
+        peak in its own unit.
     speeds : float or array_like
         Speeds c [m/s].
     approach : float, optional
@@ -288,33 +352,17 @@ def ramp_surface(
     (np.float64(2.9), np.float64(0.00429))
     """
     c = _checks.speeds(speeds)
-    length = _checks.positive("ramp_length", ramp_length, unit="m")
-    before = _checks.not_negative("approach", approach, unit="m")
-    _checks.flag("both_ways", both_ways)
-    step = _checks.integer("every", every, at_least=1)
-    if length > getattr(beam, "length", np.inf):  # what is no bridge is told of below
-        raise ValueError(
-            f"ramp_length must not exceed the bridge of {beam.length:g} m, got {length:g} m: for "
-            f"{length:g} mm type {length / 1000:g}"
-        )
     _checks.choice("method", method, METHODS)
     _checks.flag("progress", progress)
-    crossing = Crossing(beam, vehicle, float(c[0]), section, recovery, effect)
-    if damper is not None and (effect != "moment" or method != "propagator"):
-        raise ValueError(
-            f"with a damper, a surface is of the moment and by the fast path, got {effect=} and "
-            f"{method=}: leave them out"
-        )
+    crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every)
     judge_crossing(crossing, c)
-    require_surface(crossing, c, before, length, method)
-    n_ramps = count_pieces(before + beam.length, length)
-    height = unit_height(ramp_height, length, n_ramps)
-    grid = RampGrid(before, length, height, n_ramps, both_ways, step)
+    require_surface(crossing, c, grid.approach, grid.length, method)
     device = None
     if damper is not None:
         bare, device = _fast(vehicle, damper, method)
         judge_range(bare, device)
-        crossing, device = _resolved(crossing, bare, device)
+        crossing, device = device.resolved(crossing)
     if device is not None:
         from bridgectl.dampers.loop.damped import damped_surface
 
@@ -334,54 +382,14 @@ def _fast(
     return bare_vehicle(vehicle), device
 
 
-def _resolved(
-    crossing: Crossing, bare: QuarterCar, device: Damper
-) -> tuple[Crossing, Damper | None]:
-    """A constant damper is another vehicle, whose crossing is linear."""
-    if device.constant is None:
-        return crossing, device
-    return replace(crossing, vehicle=replace(bare, damping=device.constant)), None
+def _peaks(
+    run: Run, speeds: FloatArray, device: Damper | None, method: str, progress: bool
+) -> FloatArray:
+    """Peaks over their static ones, if they have any, by the engine that they need."""
+    _checks.flag("progress", progress)
+    _checks.choice("method", method, METHODS)
+    if device is None:
+        return linear_dafs(run, speeds, method, progress)
+    from bridgectl.dampers.loop.damped import damped_dafs
 
-
-def _as_response(
-    run: Run,
-    positions: FloatArray,
-    states: FloatArray,
-    forces: FloatArray,
-    damper: FloatArray | None = None,
-) -> control.TimeResponseData:
-    crossing, time = run.crossing, positions / run.crossing.speed
-    if damper is None:
-        damper = np.zeros((len(crossing.linear.damper_map), len(positions)))
-    return control.TimeResponseData(
-        time,
-        crossing.outputs(time, states, forces, damper),
-        states,
-        np.vstack([run.road(positions).T, damper]),
-        issiso=False,
-        output_labels=crossing.output_labels,
-        state_labels=crossing.state_labels,
-        input_labels=crossing.input_labels,
-        sysname="crossing",
-        title=f"Crossing at {crossing.speed * 3.6:g} km/h",
-        params={
-            "speed": crossing.speed,
-            "section": crossing.section,
-            "recovery": crossing.recovery,
-            "start": run.start,
-        },
-    )
-
-
-def _times(timepts: ArrayLike, run: Run) -> FloatArray:
-    times = _checks.array("timepts", timepts, (None,), unit="s")
-    first, last = run.start / run.crossing.speed, run.end / run.crossing.speed
-    slack = SAME_PLACE / run.crossing.speed
-    if times.size < 2 or np.any(np.diff(times) <= 0):
-        raise ValueError("timepts must hold two or more increasing times [s]")
-    if times[0] < first - slack or times[-1] > last + slack:
-        raise ValueError(
-            f"timepts must lie within the crossing, {first:g} s to {last:g} s, "
-            f"got {times[0]:g} s to {times[-1]:g} s"
-        )
-    return times
+    return damped_dafs(run, device, speeds)

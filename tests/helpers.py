@@ -65,7 +65,7 @@ def random_case(seed: int) -> dict:
 
 def law_of_crossing(damper, beam, car, speed, road):
     """The law at a speed, with the gains that are set for this crossing."""
-    crossing = bc.Crossing(beam, dataclasses.replace(car, damping=0.0), speed)
+    crossing = bc.Crossing(beam, dataclasses.replace(car, damping=0.0))
     own = damper.strategy.gains_for(crossing, np.array([speed]), road.x, road.elevation[np.newaxis])
     law = damper.strategy.for_speed(speed)
     return law.with_gains(**{name: float(value[0, 0]) for name, value in own.items()})
@@ -76,13 +76,13 @@ def loop_of_the_control_library(beam, car, damper, speed, road):
 
     No integration step crosses a kink of the road or of the moment.
     """
-    crossing = bc.Crossing(beam, dataclasses.replace(car, damping=0.0), speed)
+    crossing = bc.Crossing(beam, dataclasses.replace(car, damping=0.0))
 
     def force(x, damping):
         return min(max(damping * (x[1] - x[3]), -damper.max_force), damper.max_force)
 
     loop = ct.nlsys(
-        lambda t, x, u, p: crossing.dynamics(t, x, u[:1], np.array([force(x, u[1])])), None,
+        lambda t, x, u, p: crossing.dynamics(speed * t, x, u[:1], np.array([force(x, u[1])])), None,
         inputs=["road", "damping"], states=crossing.state_labels,
     )  # fmt: skip
 
@@ -92,7 +92,7 @@ def loop_of_the_control_library(beam, car, damper, speed, road):
         deflections = (shapes[:, 0] * states[4::2].T).sum(axis=1)
         tires = np.maximum(crossing.tire_forces(hubs[0], deflections, drops), 0)
         forces = np.array([[force(x, c) for x, c in zip(states.T, dampings, strict=True)]])
-        return crossing.outputs(t, states, tires[np.newaxis], forces)
+        return crossing.outputs(speed * t, states, tires[np.newaxis], forces)
 
     law, start, end = law_of_crossing(damper, beam, car, speed, road), road.x[0], beam.length
     samples = start / speed + damper.sample_time * np.arange(1000)

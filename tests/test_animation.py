@@ -153,5 +153,7 @@ def test_bad_input_is_one_clear_error(bridge, truck, wrong, error, message):
 
 
 def test_a_vehicle_of_two_axles_is_refused(bridge, truck):
-    with pytest.raises(TypeError, match=r"vehicle must be a bridgectl.QuarterCar to be drawn"):
+    with pytest.raises(
+        TypeError, match=r"must be a QuarterCar, got Vehicle: no other is drawn, type"
+    ):
         crossing_animation(bridge, bc.convoy([truck, truck], [0, 5]), SPEED)

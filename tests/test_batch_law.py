@@ -39,7 +39,7 @@ def test_what_is_foreseen_of_place_and_speed_is_what_is_evaluated_sample_by_samp
         signals = random_signals()
         signals["position"] = np.broadcast_to(positions[:, [k]], SHAPE)
         signals["speed"] = np.broadcast_to(speeds[:, np.newaxis], SHAPE)
-        assert np.array_equal(batch(signals, k), by_casadi(strategy, signals))
+        assert np.array_equal(batch.command(signals, sample=k)[0], by_casadi(strategy, signals))
 
 
 def test_every_operation_on_arrays_is_casadis_own():
@@ -77,7 +77,7 @@ def test_every_operation_on_arrays_is_casadis_own():
         )
         batch, signals = BatchLaw(law, [20.0, 25.0, 30.0]), random_signals()
         assert batch.steps is not None
-        assert batch(signals) == pytest.approx(by_casadi(law, signals), rel=1e-13)
+        assert batch.command(signals)[0] == pytest.approx(by_casadi(law, signals), rel=1e-13)
 
 
 def test_an_operation_that_arrays_do_not_have_is_left_to_casadi():
@@ -85,7 +85,7 @@ def test_an_operation_that_arrays_do_not_have_is_left_to_casadi():
                    {"scale": (2.0, 0.0, 5.0)})  # fmt: skip
     batch, signals = BatchLaw(law, [20.0, 25.0, 30.0]), random_signals()
     assert batch.steps is None
-    assert batch(signals) == pytest.approx(by_casadi(law, signals), rel=1e-13)
+    assert batch.command(signals)[0] == pytest.approx(by_casadi(law, signals), rel=1e-13)
 
 
 def test_laws_of_several_speeds_are_evaluated_together_if_only_constants_differ():
@@ -104,17 +104,17 @@ def test_laws_of_several_speeds_are_evaluated_together_if_only_constants_differ(
         batch = BatchLaw(own, speeds)
         assert (batch.steps is not None) is together
         each = [by_casadi(own.for_speed(c), signals)[i] for i, c in enumerate(speeds)]
-        assert batch(signals) == pytest.approx(np.array(each), rel=1e-13)
+        assert batch.command(signals)[0] == pytest.approx(np.array(each), rel=1e-13)
         # The slowest speeds alone, as when the others have crossed.
         some = {name: values[:2] for name, values in signals.items()}
-        assert batch(some) == pytest.approx(np.array(each[:2]), rel=1e-13)
+        assert batch.command(some)[0] == pytest.approx(np.array(each[:2]), rel=1e-13)
 
 
 def test_what_is_the_same_for_all_roads_may_come_as_a_column():
     law = dampers.program([0, 5, 10], [1e3, 2e3, 3e3])
     signals = random_signals()
     signals["position"] = np.array([[-1.0], [6.0], [12.0]])
-    assert np.array_equal(BatchLaw(law, [1, 2, 3])(signals)[:, 0], [1e3, 2e3, 3e3])
+    assert np.array_equal(BatchLaw(law, [1, 2, 3]).command(signals)[0][:, 0], [1e3, 2e3, 3e3])
 
 
 def test_gains_of_every_crossing_count_case_by_case():
@@ -124,7 +124,7 @@ def test_gains_of_every_crossing_count_case_by_case():
     own = np.arange(12.0).reshape(3, 4)
     batch = BatchLaw(law, [10.0], {"k": own})
     part = {name: values[:2, :3] for name, values in signals.items()}
-    assert np.array_equal(batch(part), 10 * own[:2, :3])
+    assert np.array_equal(batch.command(part)[0], 10 * own[:2, :3])
 
 
 def test_a_law_that_divides_by_zero_where_it_counts_is_named():
@@ -132,7 +132,7 @@ def test_a_law_that_divides_by_zero_where_it_counts_is_named():
     signals = random_signals()
     signals["body_velocity"] = signals["axle_velocity"] = np.zeros(SHAPE)
     with pytest.raises(ValueError, match="careless returned NaN: guard divisions"):
-        BatchLaw(law, [20.0])(signals)
+        BatchLaw(law, [20.0]).command(signals)
 
 
 def test_a_branch_that_is_not_taken_may_divide_by_zero():
@@ -141,4 +141,5 @@ def test_a_branch_that_is_not_taken_may_divide_by_zero():
 
     signals = SimpleNamespace(**random_signals())
     signals.axle_velocity = np.zeros(SHAPE)
-    assert np.all(BatchLaw(Strategy("careful", law, 0, 1e3), [20.0])(vars(signals)) == 7.0)
+    careful = Strategy("careful", law, 0, 1e3)
+    assert np.all(BatchLaw(careful, [20.0]).command(vars(signals))[0] == 7.0)

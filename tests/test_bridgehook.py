@@ -77,10 +77,10 @@ def test_a_shorter_reach_changes_nothing_within_it(bridge, truck, found, reach):
 
 def expected_state(bridge, car, place, measured):
     """Deviation of the states to be expected of velocities of body and axle, on the bridge."""
-    crossing, nodes = bc.Crossing(bridge, car, SPEED), np.linspace(0, 25, 251)
+    crossing, nodes = bc.Crossing(bridge, car), np.linspace(0, 25, 251)
     cells = build_cells(crossing, np.array([SPEED]), nodes, on_bridge=True)
     steps = cells.transitions()[0][0, :, : crossing.n_states]
-    gains = _expected(crossing, steps, nodes)
+    gains = _expected(crossing, steps, np.diff(nodes) / SPEED)
     return gains[np.argmin(np.abs(nodes - place))] @ measured
 
 
@@ -108,7 +108,7 @@ def test_the_feedback_is_how_the_soft_maximum_bends(bridge, truck, middle_truck,
     """Mixed difference of log(sum of w exp(beta M)) / beta in a push and in the measured state."""
     beta, push = 10.0, 100.0
     change = expected_state(bridge, middle_truck, place, measured)
-    jump = bc.Crossing(bridge, middle_truck, SPEED).damper_matrix[:, 0]
+    jump = bc.Crossing(bridge, middle_truck).damper_matrix[:, 0]
     _, smooth, ((by_state, _), (by_push, _)) = after(
         bridge, middle_truck, place, [change, push * jump]
     )
@@ -138,7 +138,7 @@ def test_the_feedback_spares_the_motion_that_the_damper_will_yet_use(
         for v in (NEVER, slow)
     )
     change = expected_state(bridge, middle_truck, place, measured)
-    jump = bc.Crossing(bridge, middle_truck, SPEED).damper_matrix[:, 0]
+    jump = bc.Crossing(bridge, middle_truck).damper_matrix[:, 0]
     x, _, ((_, by_state), (_, by_push)) = after(bridge, middle_truck, place, [change, jump])
     # With equal weights the share of the peaks still ahead falls linearly to the bridge's end.
     ahead = np.interp(x, level.positions, np.abs(level.constant)) * (25 - x) / (25 - place)
@@ -166,7 +166,7 @@ def test_what_is_expected_of_the_velocities_is_what_random_roads_show(bridge, mi
     sample = round((60 + place) / SPEED / 2e-3)
     body, axle, force = (run.histories[0][name][:, sample] for name in names)
     slopes = np.linalg.lstsq(np.column_stack([body, axle, np.ones(400)]), force, rcond=None)[0]
-    crossing = bc.Crossing(bridge, middle_truck, SPEED)
+    crossing = bc.Crossing(bridge, middle_truck)
     expected = [
         float(crossing.tire_rows(place)[0] @ expected_state(bridge, middle_truck, place, m))
         for m in ([1, 0], [0, 1])
@@ -180,9 +180,11 @@ def test_what_is_expected_of_the_velocities_is_what_random_roads_show(bridge, mi
 def test_on_a_bridge_that_does_not_yield_velocities_tell_what_they_told_on_the_road(middle_truck):
     """The noise of the road and the damper are in balance there, in every cell."""
     rock = bc.Beam(25.0, 18358.0, 5e18, n_modes=1)
-    crossing, nodes = bc.Crossing(rock, middle_truck, SPEED), np.linspace(0, 25, 126)
+    crossing, nodes = bc.Crossing(rock, middle_truck), np.linspace(0, 25, 126)
     cells = build_cells(crossing, np.array([SPEED]), nodes, on_bridge=True)
-    gains = _expected(crossing, cells.transitions()[0][0, :, : crossing.n_states], nodes)
+    gains = _expected(
+        crossing, cells.transitions()[0][0, :, : crossing.n_states], np.diff(nodes) / SPEED
+    )
     # Displacements [m] per velocity [m/s]: up to 0.13 s.
     on_road = np.broadcast_to(gains[0, :4], gains[:, :4].shape)
     assert gains[:, :4] == pytest.approx(on_road, abs=1e-3)
@@ -237,9 +239,9 @@ def test_it_rests_beyond_its_reach_and_after_the_bridge(feedback):
 
 
 def test_it_looks_at_mid_span_unless_told_otherwise(bridge, truck):
-    assert Bridgehook(bridge, truck, SOFT, STIFF).section == 0.5
-    assert bridgehook(bridge, truck, SOFT, STIFF).section == 0.5
-    assert bridgehook(bridge, truck, SOFT, STIFF, section=0.3).section == 0.3
+    assert Bridgehook(bridge, truck, SOFT, STIFF).effect.at == 12.5
+    assert bridgehook(bridge, truck, SOFT, STIFF).effect.at == 12.5
+    assert bridgehook(bridge, truck, SOFT, STIFF, section=0.3).effect.at == 7.5
 
 
 def test_it_measures_the_velocities_and_without_feedback_that_of_the_suspension_alone():
@@ -273,7 +275,7 @@ def test_the_laws_of_all_speeds_are_evaluated_together(feedback):
         LAWS[feedback].for_speed(speed).command(**{k: v[i] for k, v in signals.items()})
         for i, speed in enumerate(speeds)
     ]
-    assert np.array_equal(batch(signals), each)
+    assert np.array_equal(batch.command(signals)[0], each)
 
 
 def test_it_is_a_block_of_the_control_library_and_a_c_file_at_each_speed(tmp_path):

@@ -8,8 +8,9 @@ from helpers import loop_of_the_control_library, rough_road
 
 import bridgectl as bc
 from bridgectl import dampers
-from bridgectl.dampers import SIGNALS, Damper, LoopResult, simulate_loop
+from bridgectl.dampers import SIGNALS, Damper, simulate_loop
 from bridgectl.dampers.block import CROSSING_OUTPUTS
+from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.road import iso8608_elevations
 
 SOFT, STIFF = 1e3, 30e3

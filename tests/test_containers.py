@@ -11,7 +11,7 @@ from helpers import run_command
 
 import bridgectl as bc
 from bridgectl import _checks as check
-from bridgectl import measures
+from bridgectl.measures.history import rms
 
 WHOLE = [0, 2, 1, 3]
 RIGHT = {
@@ -92,7 +92,7 @@ def test_a_masked_value_is_never_unmasked(bridge, truck, kind):
         lambda: bc.crossing_response(bridge, truck, 25, timepts=masked),
         lambda: bridge.mode_shapes(masked),
         lambda: bridge.influence_line(masked),
-        lambda: measures.rms(masked),
+        lambda: rms(masked),
         lambda: bc.convoy([truck] * 4, masked),
     ):
         with pytest.raises(ValueError, match=r"[a-z]+ has \d masked value.*type keep = ~np.ma"):

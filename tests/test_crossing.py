@@ -9,11 +9,12 @@ from scipy.integrate import simpson
 import bridgectl as bc
 
 TIGHT = {"rtol": 1e-9, "atol": 1e-13}
+MOTION = bc.Motion(110 / 3.6)
 
 
 @pytest.fixture
 def crossing(bridge, truck):
-    return bc.Crossing(bridge, truck, 110 / 3.6)
+    return bc.Crossing(bridge, truck)
 
 
 def random_state(crossing, seed=1):
@@ -41,34 +42,35 @@ def test_two_tires_number_their_signals(bridge, truck):
 def test_the_dynamics_are_the_linear_map_while_the_tires_are_in_contact(crossing, t):
     state, road, force = random_state(crossing), np.array([3e-4]), np.array([120.0])
     linear = (
-        crossing.state_matrix(t) @ state
-        + crossing.road_matrix(t) @ road
+        crossing.state_matrix(MOTION.position(t)) @ state
+        + crossing.road_matrix(MOTION.position(t)) @ road
         + crossing.damper_matrix @ force
-        + crossing.load_vector(t)
+        + crossing.load_vector(MOTION.position(t))
     )
-    assert crossing.dynamics(t, state, road, force) == pytest.approx(linear, rel=1e-9, abs=1e-9)
+    by_place = crossing.dynamics(MOTION.position(t), state, road, force)
+    assert by_place == pytest.approx(linear, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize("t", [0.05, 0.41, 0.7])
 def test_linearize_gives_the_frozen_time_system(crossing, t):
-    frozen = ct.linearize(crossing.system(), 0, t=t)
+    frozen = ct.linearize(crossing.system(MOTION), 0, t=t)
     # Finite differences of 1e-6 in states that carry forces of 1e5 N: 1e-6 of the largest entry.
-    scale = np.abs(crossing.state_matrix(t)).max()
-    assert pytest.approx(crossing.state_matrix(t), abs=1e-6 * scale) == frozen.A
-    assert frozen.B[:, :1] == pytest.approx(crossing.road_matrix(t), abs=1e-3)
+    scale = np.abs(crossing.state_matrix(MOTION.position(t))).max()
+    assert pytest.approx(crossing.state_matrix(MOTION.position(t)), abs=1e-6 * scale) == frozen.A
+    assert frozen.B[:, :1] == pytest.approx(crossing.road_matrix(MOTION.position(t)), abs=1e-3)
     assert frozen.B[:, 1:] == pytest.approx(crossing.damper_matrix, abs=1e-9)
-    named = ct.linearize(crossing.system(), 0, t=t, copy_names=True)
+    named = ct.linearize(crossing.system(MOTION), 0, t=t, copy_names=True)
     assert named.input_labels == ["road", "damper_force"]
 
 
 def test_frozen_time_poles_are_those_of_truck_and_bridge_apart_before_the_bridge(crossing):
-    before = ct.linearize(crossing.system(), 0, t=-0.1)
+    before = ct.linearize(crossing.system(MOTION), 0, t=-0.1)
     apart = np.concatenate([crossing.vehicle.system().poles(), crossing.beam.system().poles()])
     assert np.sort(np.abs(before.poles())) == pytest.approx(np.sort(np.abs(apart)), rel=1e-5)
 
 
 def test_the_truck_at_mid_span_shifts_the_first_frequency_and_damps_it(crossing, bridge):
-    frozen = ct.linearize(crossing.system(), 0, t=12.5 / crossing.speed)
+    frozen = ct.linearize(crossing.system(MOTION), 0, t=12.5 / MOTION.speed)
     poles = frozen.poles()
     first = poles[np.argmin(np.abs(np.abs(poles) - bridge.omega[0]))]
     # A light oscillator above its own frequency acts as a mass: the bridge slows a little.
@@ -77,7 +79,7 @@ def test_the_truck_at_mid_span_shifts_the_first_frequency_and_damps_it(crossing,
 
 
 def test_a_bode_plot_of_the_frozen_system_has_the_bridges_resonance(crossing, bridge):
-    frozen = ct.linearize(crossing.system(), 0, t=12.5 / crossing.speed)
+    frozen = ct.linearize(crossing.system(MOTION), 0, t=12.5 / MOTION.speed)
     omega = np.linspace(10, 60, 2001)
     road_to_moment = ct.frequency_response(frozen[0, 0], omega)
     peak = omega[np.argmax(road_to_moment.magnitude)]
@@ -131,10 +133,10 @@ def test_a_users_skyhook_closes_around_the_crossing(bridge, truck):
     assert closed_rms < passive_rms
     assert np.abs(closed.outputs[0] - passive.outputs["moment"]).max() > 1e-3
     # And the loop's derivative is the crossing's with the law's force put in by hand.
-    crossing, middle = bc.Crossing(bridge, truck, speed), 200
+    crossing, middle = bc.Crossing(bridge, truck), 200
     state = np.asarray(closed.states)[:, middle]
     by_hand = crossing.dynamics(
-        x[middle] / speed,
+        x[middle],
         state,
         inputs[middle : middle + 1],
         np.array([force(0, None, (state[1], state[1] - state[3]), None)]),
@@ -191,11 +193,11 @@ def test_the_truck_loses_no_energy_but_in_its_damper_and_to_the_bridge(bridge, t
 def test_the_recoveries_are_equations_5_to_8_written_out(recovery, section):
     """Moment from accelerations, as printed, against the rows on states and forces."""
     beam, truck = bc.li2006.beam(damping_ratio=0.02), bc.li2006.car()
-    crossing = bc.Crossing(beam, truck, 30.0, section, recovery)
+    crossing = bc.Crossing(beam, truck, bc.Moment(25 * section, recovery=recovery))
     t, state = 0.37, random_state(crossing, 4)
     shapes = crossing.tire_shapes(30.0 * t)
     force = crossing.contact_forces(state, np.zeros(1), shapes)
-    rate = crossing.dynamics(t, state, np.zeros(1), np.zeros(1))
+    rate = crossing.dynamics(30.0 * t, state, np.zeros(1), np.zeros(1))
     q, velocity, acceleration = state[4::2], state[5::2], rate[5::2]
     j, length, mu = np.arange(1, 4), 25.0, 18358.0
     at_section = np.sin(j * np.pi * section)
@@ -231,10 +233,10 @@ def test_the_printed_twelfth_is_the_scale_of_the_inertial_moment():
 
 def test_the_peak_static_moment_of_a_train_of_axles_is_found(bridge, truck):
     convoy = bc.convoy([truck, truck, truck], [0, 3, 8])
-    crossing = bc.Crossing(bridge, convoy, 30.0, section=0.4)
+    crossing = bc.Crossing(bridge, convoy, bc.Moment(10.0))
     creeping = np.linspace(0, 33, 33001)
     lines = bridge.influence_line(crossing.tire_positions(creeping), 0.4)
-    assert crossing.peak_static_moment == pytest.approx((lines @ convoy.static_loads).max())
+    assert crossing.static_peak == pytest.approx((lines @ convoy.static_loads).max())
 
 
 @pytest.mark.parametrize(

@@ -168,7 +168,7 @@ def test_a_preset_damper_takes_stations_that_are_even_but_for_round_off(bridge, 
     x = -300 + 0.1 * np.arange(3251)
     z = iso8608_elevations(1, "A", 325, seed=0)
     law = dampers.preset(1e3, 30e3, n_dampings=2)
-    own = law.gains_for(bc.Crossing(bridge, truck, 25.0), np.array([25.0]), x, z)["damping"]
+    own = law.gains_for(bc.Crossing(bridge, truck), np.array([25.0]), x, z)["damping"]
     assert own[0, 0] in (1e3, 30e3)
 
 
@@ -177,12 +177,14 @@ def test_a_preset_damper_takes_stations_that_are_even_but_for_round_off(bridge, 
     [
         (lambda b, v: bc.daf(b, v, 25.0, damper=SKYHOOK, method="control"), ValueError,
          "method must be 'propagator' with a damper"),
-        (lambda b, v: bc.daf(b, v, 25.0, damper=SKYHOOK, effect="deflection"), ValueError,
-         "effect must be"),
+        (lambda b, v: bc.daf(b, v, 25.0, damper=SKYHOOK, effect="acceleration"), ValueError,
+         "effect must have a static peak"),
+        (lambda b, v: bc.peak_effect(b, v, 25.0, damper=SKYHOOK, effect="acceleration"), ValueError,
+         "the effect is a moment, a deflection or a tire force"),
         (lambda b, v: bc.crossing_response(b, v, 25.0, damper=SKYHOOK, method="control"),
          ValueError, "method must be 'propagator' with a damper"),
-        (lambda b, v: bc.ramp_surface(b, v, 25.0, damper=SKYHOOK, effect="deflection"),
-         ValueError, "a surface is of the moment"),
+        (lambda b, v: bc.ramp_surface(b, v, 25.0, damper=SKYHOOK, effect="acceleration"),
+         ValueError, "the effect is a moment, a deflection or a tire force"),
         (lambda b, v: bc.daf(b, bc.convoy([v], [0]), 25.0, damper=SKYHOOK), TypeError,
          "vehicle must be a QuarterCar"),
         (lambda b, v: bc.daf(b, v, 25.0, damper="skyhook"), TypeError,

@@ -6,6 +6,7 @@ import pytest
 import bridgectl as bc
 from bridgectl import dampers
 from bridgectl.dampers import Damper, Strategy, simulate_loop
+from bridgectl.dampers.peak_value import peak_value
 
 BEAM, CAR = bc.li2006.beam(), bc.li2006.car()
 X, LEVEL = np.array([-1.0, 10.0, 25.0]), np.zeros(3)
@@ -54,7 +55,7 @@ CALLS = {
     "bridgehook's speed": (dampers.bridgehook(BEAM, CAR, 1e3, 30e3).for_speed, {"speed": 25.0}, {}),
     "bridgehook's block": (dampers.bridgehook(BEAM, CAR, 1e3, 30e3).system, {"speed": 25.0}, {}),
     "peak_value": (
-        dampers.peak_value,
+        peak_value,
         CASE | BOUNDS | {"speed": 25.0, "section": 0.5, "reach": 10.0, "sharpness": 8.0,
                          "yield_speed": 0.1},
         {},

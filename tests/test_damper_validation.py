@@ -15,7 +15,7 @@ from bridgectl.dampers import simulate_loop
 from bridgectl.paper import damper_validation
 from bridgectl.paper.damper_sets import known_dampers, unseen_dampers
 from bridgectl.paper.damper_validation import DamperCase, validate_dampers
-from bridgectl.plots import damper_validation_figure
+from bridgectl.plots.validation import damper_validation_figure
 from bridgectl.road import iso8608_elevations
 from bridgectl.scoring.agreement import paired
 

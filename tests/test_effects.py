@@ -9,9 +9,14 @@ from helpers import random_case, rough_road
 import bridgectl as bc
 from bridgectl.linear.cells import sample_positions
 from bridgectl.linear.runs import prepare, reference_effect
-from bridgectl.model.effects import static_peak
+from bridgectl.model.crossing import make_crossing
 
 EFFECTS = ["deflection", "tire_force", "acceleration", "moment"]
+
+
+def ask_for(effect):
+    """What gives the peak of an effect: a factor, but of an acceleration."""
+    return bc.peak_effect if effect == "acceleration" else bc.daf
 
 
 def static_deflection(beam):
@@ -31,7 +36,7 @@ def test_superposed_effects_are_those_the_propagator_simulates(bridge, truck, ef
     speeds = np.array([60, 90, 120]) / 3.6
     surface = bc.ramp_surface(bridge, truck, speeds, approach=20, section=section, effect=effect)
     road = rough_road(3, -20, 25, height=3e-4)
-    simulated = bc.daf(bridge, truck, speeds, road, start=-20, section=section, effect=effect)
+    simulated = ask_for(effect)(bridge, truck, speeds, road, start=-20, effect=surface.effect)
     scale = 1e-6 * np.abs(simulated)
     assert np.all(np.abs(surface.superposed_daf(road) - simulated) < scale)
 
@@ -40,16 +45,14 @@ def test_superposed_effects_are_those_the_propagator_simulates(bridge, truck, ef
 @pytest.mark.parametrize("seed", [1, 4])
 def test_each_effect_is_that_of_the_control_library(effect, seed):
     case = random_case(seed)
-    crossing = bc.Crossing(
-        case["beam"], case["vehicle"], case["speed"], case["section"],
-        effect="tire_force_1" if effect == "tire_force" and seed % 5 == 4 else effect,
-    )  # fmt: skip
+    name = "tire_force_1" if effect == "tire_force" and seed % 5 == 4 else effect
+    crossing = make_crossing(case["beam"], case["vehicle"], name, case["section"])
     run = prepare(crossing, case["profile"], case["start"])
-    nodes = run.nodes(crossing.speed)
-    found = reference_effect(run, sample_positions(nodes[nodes >= -1e-9]))
-    daf = bc.daf(
+    nodes = run.nodes(case["speed"])
+    found = reference_effect(run, bc.Motion(case["speed"]), sample_positions(nodes[nodes >= -1e-9]))
+    daf = ask_for(effect)(
         case["beam"], case["vehicle"], case["speed"], case["profile"], start=case["start"],
-        section=case["section"], effect=crossing.effect,
+        effect=crossing.effect,
     )[0]  # fmt: skip
     # Between samples a peak rises above them by less than 1e-3 of the range.
     assert daf == pytest.approx(found.max(), abs=2e-3 * np.ptp(found))
@@ -67,7 +70,8 @@ def test_the_outputs_of_a_response_have_the_same_peaks(bridge, truck, method):
         "deflection": response.outputs["deflection"].max() / weight / static_deflection(bridge),
     }
     for effect, value in expected.items():
-        daf = bc.daf(bridge, truck, speed, road, start=-10, effect=effect, method=method)[0]
+        ask = ask_for(effect)
+        daf = ask(bridge, truck, speed, road, start=-10, effect=effect, method=method)[0]
         assert daf == pytest.approx(value, rel=1e-3)  # the response has no sample at the peak
 
 
@@ -75,13 +79,14 @@ def test_a_creeping_truck_deflects_the_bridge_as_a_static_load(bridge, truck):
     damped = replace(bridge, damping_ratio=0.01)
     assert bc.daf(damped, truck, 0.5, effect="deflection") == pytest.approx(1, abs=1e-3)
     assert bc.daf(damped, truck, 0.5, effect="tire_force") == pytest.approx(1, abs=1e-3)
-    assert bc.daf(damped, truck, 0.5, effect="acceleration") == pytest.approx(0, abs=1e-3)
+    assert bc.peak_effect(damped, truck, 0.5, effect="acceleration") == pytest.approx(0, abs=1e-3)
 
 
 def test_the_static_peak_of_a_convoy_is_found_among_its_places(bridge, truck):
     convoy = bc.convoy([truck, truck], [0, 5.0]).linear
-    alone = static_peak(bridge, truck.linear, 0.5, "deflection")
-    assert alone < static_peak(bridge, convoy, 0.5, "deflection") < 2 * alone
+    effect = bc.Deflection(12.5)
+    alone = effect.static_peak(bridge, truck.linear)
+    assert alone < effect.static_peak(bridge, convoy) < 2 * alone
 
 
 def test_an_acceleration_has_no_smooth_road_in_proportion_and_its_ramps_superpose(bridge, truck):

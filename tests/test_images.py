@@ -31,22 +31,16 @@ from PIL import Image
 import bridgectl as bc
 from bridgectl import crossing_animation
 from bridgectl.dampers import passive, skyhook
-from bridgectl.extremes import EqualRoughnessPair
+from bridgectl.extremes.pairs import EqualRoughnessPair
 from bridgectl.paper.damper_validation import DamperCase
 from bridgectl.paper.printed import PaperResults
 from bridgectl.paper.validation import Case, ValidationResults, WarningLight
-from bridgectl.plots import (
-    dae_figure,
-    damper_validation_figure,
-    lines_plot,
-    pair_figure,
-    paper_figure,
-    profile_figure,
-    psd_plot,
-    ramp_height_figure,
-    score_figure,
-    validation_figure,
-)
+from bridgectl.plots import dae_figure
+from bridgectl.plots.ramp_heights import ramp_height_figure
+from bridgectl.plots.roads import pair_figure, profile_figure, psd_plot
+from bridgectl.plots.scores import score_figure
+from bridgectl.plots.surface import paper_figure
+from bridgectl.plots.validation import damper_validation_figure, validation_figure
 from bridgectl.scoring.board import Scoreboard
 from bridgectl.scoring.rows import MEASURES
 from bridgectl.surface.histories import FeedbackHistories
@@ -97,10 +91,6 @@ def paper() -> Figure:
     return paper_figure(PaperResults((), surface(speeds), surface(speeds, height=1e-2)))
 
 
-def lines() -> Figure:
-    return lines_plot(surface(np.arange(50, 151, 25.0)), np.array([50, 100, 150]) / 3.6).figure
-
-
 def pair() -> Figure:
     roads = wavy_road(0.0), wavy_road(0.0, 2.0)
     speeds = np.arange(50, 151, 5.0) / 3.6
@@ -147,7 +137,7 @@ def hand_made(smooth: np.ndarray, speeds: np.ndarray, level: float) -> RampSurfa
     daf_smooth = np.full(len(speeds), 1.05)
     drop, rise = (daf_smooth[:, np.newaxis] + even + sign * odd for sign in (1, -1))
     return RampSurface(
-        *beam_and_truck(), 0.5, "exact", "moment", 0.0, 0.1, level / 4, speeds, x, daf_smooth,
+        *beam_and_truck(), bc.Moment(12.5), 0.0, 0.1, level / 4, speeds, x, daf_smooth,
         drop, FeedbackHistories("by hand"), rise, 10,
     )  # fmt: skip
 
@@ -226,7 +216,6 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     for make in (
         dae,
         paper,
-        lines,
         pair,
         psd,
         profile,
@@ -295,7 +284,6 @@ REMOVED: dict[str, list[tuple[type[Artist], str, int]]] = {
         (Legend, "", -1),
         (Axes, "<colorbar>", -1),
     ],
-    "lines": [(Line2D, "100 km/h", -1), (Legend, "", -1)],
     "pair": [(Line2D, "case 2: ", -1), (Legend, "", -1)],
     "psd": [(Line2D, "UTIA road", -1), (Legend, "", -1)],
     "profile": [(StepPatch, "UTIA road", -1), (Line2D, "UTIA road", 0), (Legend, "", 0)],

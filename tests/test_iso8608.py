@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 import bridgectl as bc
-from bridgectl.road import class_roughness, iso8608_elevations, shaping_filter
+from bridgectl.road import iso8608_elevations, shaping_filter
 from bridgectl.road.iri import golden_car, rectified_slope
-from bridgectl.road.psd import RoadPsd, elevation_psd
+from bridgectl.road.psd import RoadPsd, class_roughness, elevation_psd
 
 METHODS = ["spectral", "filter"]
 SEEDS = 200

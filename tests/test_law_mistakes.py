@@ -150,7 +150,9 @@ def routes(law):
     return {
         "casadi": lambda v: float(law.command(suspension_velocity=v)),
         "arrays": lambda v: float(
-            BatchLaw(law, [25.0])({**zeros, "suspension_velocity": np.full((1, 1), v)})[0, 0]
+            BatchLaw(law, [25.0]).command(zeros | {"suspension_velocity": np.full((1, 1), v)})[0][
+                0, 0
+            ]
         ),
         "block": lambda v: float(block.output(0.0, [], [0, 0, 0, v])[1]),
     }

@@ -83,6 +83,12 @@ def test_default_weights_make_the_tire_count_as_much_as_the_ride_and_the_travel_
     assert undamped.gains == LAW.gains
 
 
+def test_the_papers_truck_has_these_weights_and_gains():
+    assert equal_weights(TRUCK) == pytest.approx([566, 5259], abs=0.5)  # 1/s^4
+    found = regulator(TRUCK).feedback()
+    assert found == pytest.approx([12.3e3, -35.9e3, 103.7e3, 14.9e3], abs=50)  # N/m, N s/m
+
+
 def test_the_command_is_the_feedback_force_over_the_velocity_within_bounds():
     rng = np.random.default_rng(0)
     d, body, e, axle = rng.normal(size=(4, 2000)) * np.array([[0.01], [0.1], [0.003], [0.1]])

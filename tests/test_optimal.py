@@ -65,12 +65,12 @@ def test_the_dafs_are_those_of_the_closed_loop(bridge, truck, road, best):
 
 
 def test_the_steps_tend_to_the_closed_loop_with_the_square_of_their_length(bridge, truck, road):
-    crossing = bc.Crossing(bridge, dataclasses.replace(truck, damping=0.0), SPEED)
+    crossing = bc.Crossing(bridge, dataclasses.replace(truck, damping=0.0))
     run = prepare(crossing, road, START)
     exact = simulated(bridge, truck, passive(STIFF), road)
     errors = []
     for longest in (10e-3, 5e-3, 2.5e-3):
-        steps = optimal_steps.join(run, STEP, longest, SOFT, STIFF)
+        steps = optimal_steps.join(run, SPEED, STEP, longest, SOFT, STIFF)
         errors.append(abs(optimal_steps.march(steps, steps.shares(STIFF)).peak - exact))
     assert errors[0] < 4e-3
     assert errors[1] < 0.35 * errors[0]
@@ -103,8 +103,8 @@ def test_the_own_damping_is_that_within_the_bounds(bridge, truck, c_min, c_max, 
 
 
 def test_no_range_has_no_shares(bridge, truck):
-    run = prepare(bc.Crossing(bridge, dataclasses.replace(truck, damping=0.0), SPEED), None, 0.0)
-    steps = optimal_steps.join(run, 0.1, 0.1, 7e3, 7e3)
+    run = prepare(bc.Crossing(bridge, dataclasses.replace(truck, damping=0.0)), None, 0.0)
+    steps = optimal_steps.join(run, SPEED, 0.1, 0.1, 7e3, 7e3)
     for damping in (7e3, 9e3):
         assert steps.shares(damping).tolist() == [0.0] * 10
 

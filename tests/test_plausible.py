@@ -14,7 +14,8 @@ from helpers import run_command
 
 import bridgectl as bc
 from bridgectl.dampers import Damper, groundhook, passive, simulate_loop, skyhook
-from bridgectl.measures.weighting import weighted_rms
+from bridgectl.measures import weighted_rms
+from bridgectl.measures.loads import road_stress_factor
 from bridgectl.paper.li2006 import DECKS
 from bridgectl.road.footprint import tire_footprint
 
@@ -64,7 +65,7 @@ def test_all_bridges_and_the_truck_of_the_thesis_pass():
         for span in spans:
             beam = bc.li2006.beam(span, deck)
             bc.Beam(beam.length, beam.mass_per_length, beam.flexural_rigidity)
-            bc.Crossing(beam, bc.li2006.car(), 59.9)
+            bc.crossing_system(beam, bc.li2006.car(), 59.9)
 
 
 @pytest.mark.skipif(not VEHICLES.exists(), reason="the reference numbers are not shipped")
@@ -144,8 +145,10 @@ ENTRIES = {
         b, c, 80, damper=groundhook(1e3, 30e3)
     ),
     "crossing_system": lambda b, c: bc.crossing_system(b, c, 80),
-    "Crossing": lambda b, c: bc.Crossing(b, c, 80),
-    "replaced Crossing": lambda b, c: dataclasses.replace(bc.Crossing(b, c, 20), speed=80),
+    "Crossing": lambda b, c: bc.Crossing(b, bc.convoy([c] * 50, [0] * 50)),
+    "replaced Crossing": lambda b, c: dataclasses.replace(
+        bc.Crossing(b, c), vehicle=bc.convoy([c] * 50, [0] * 50)
+    ),
     "ramp_surface": lambda b, c: bc.ramp_surface(b, c, 80, ramp_length=5.0),
     "ramp_surface, constant damper": lambda b, c: bc.ramp_surface(
         b, c, 80, ramp_length=5.0, damper=passive(7e3)
@@ -186,7 +189,7 @@ ENTRIES = {
     "contributions, road in mm": lambda b, c: SURFACE.contributions(STEEP),
     "footprint": lambda b, c: tire_footprint(JUMP, 0.2),
     "weighting": lambda b, c: weighted_rms(np.ones(50), 0.05),
-    "measures": lambda b, c: bc.measures.road_stress_factor(np.zeros(9), 98100.0),
+    "measures": lambda b, c: road_stress_factor(np.zeros(9), 98100.0),
 }
 
 

@@ -9,15 +9,9 @@ import bridgectl as bc
 from bridgectl import plots
 from bridgectl.extremes import equal_roughness_pair
 from bridgectl.paper.printed import paper_results
-from bridgectl.plots import (
-    dae_figure,
-    lines_plot,
-    pair_figure,
-    paper_figure,
-    profile_figure,
-    smooth_daf_plot,
-    surface_plot,
-)
+from bridgectl.plots import dae_figure
+from bridgectl.plots.surface import paper_figure, smooth_daf_plot, surface_plot
+from bridgectl.road.psd import class_roughness
 
 
 @pytest.fixture(scope="module")
@@ -99,17 +93,6 @@ def test_a_place_that_changes_nothing_has_the_middle_colour(surface):
     assert 0.0 in bar.get_yticks()
 
 
-@pytest.mark.parametrize("difference", [True, False])
-def test_cuts_through_a_surface_are_its_rows(surface, difference):
-    axes = lines_plot(surface, [61 / 3.6, 99 / 3.6], difference=difference)
-    values = surface.daf_difference if difference else surface.daf_unit
-    assert [line.get_label() for line in axes.lines] == ["60 km/h", "100 km/h"]
-    for line, row in zip(axes.lines, values[[0, 2]], strict=True):
-        assert line.get_ydata() == pytest.approx(row)
-        assert line.get_xdata() == pytest.approx(surface.positions / 25)
-    assert axes.get_xlabel() == "start of the ramp, x/l [-]"
-
-
 def test_the_spectrum_is_drawn_with_its_line_and_the_classes(truck):
     psd = bc.utia_road().psd()
     axes = psd.plot()
@@ -123,7 +106,7 @@ def test_the_spectrum_is_drawn_with_its_line_and_the_classes(truck):
 
 def test_the_profile_figure_shows_each_segments_iri():
     road = bc.utia_road()
-    figure = profile_figure([road], segment=100)
+    figure = road.plot_roughness(segment=100)
     stairs = figure.axes[1].patches[0]
     assert stairs.get_data().values == pytest.approx(road.iri(segment=100))
 
@@ -134,7 +117,7 @@ def test_the_pair_figure_draws_both_roads_and_both_dafs(bridge, truck):
     road = bc.iso8608_profile("A", 45, seed=1, start=-20)
     pair = equal_roughness_pair(surface, road, float(speeds[1]))
     dafs = [bc.daf(bridge, truck, speeds, each, start=-20) for each in (pair.first, pair.second)]
-    figure = pair_figure(pair, speeds, dafs, smooth=surface.daf_smooth)
+    figure = pair.plot(speeds, dafs, smooth=surface.daf_smooth)
     assert all(text for text in labels(figure))
     curves = {line.get_label(): line.get_ydata() for line in figure.axes[2].lines}
     assert curves["case 2"] == pytest.approx(dafs[1])
@@ -157,5 +140,5 @@ def test_a_spectrum_knows_the_classes_that_it_is_drawn_over(level):
     psd, i = bc.utia_road().psd(), ["lower", "mean", "upper"].index(level)
     assert list(psd.classes) == list("ABCDEFGH")
     for name, lines in psd.classes.items():
-        expected = bc.road.class_roughness(name, level)
+        expected = class_roughness(name, level)
         assert lines[i].density([0.1, 1.0]) == pytest.approx([expected, expected / 100])

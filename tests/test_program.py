@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import bridgectl as bc
 from bridgectl.dampers import preset, program
+from bridgectl.model.crossing import make_crossing
 
 PLACES, DAMPINGS = [-60.0, -10.0, 0.1, 5.0], [7e3, 1e3, 2.3e3 / 7, 30e3]
 
@@ -115,7 +116,7 @@ def test_a_preset_has_the_damping_of_the_least_simulated_daf_of_each_road_and_sp
     if stations == "uneven":
         x = np.delete(x, [3, 30, 31])
     roads = [rough_road(seed, -10, 26, height=1e-3).elevation_at(x) for seed in range(3)]
-    crossing = bc.Crossing(bridge, dataclasses.replace(truck, damping=0.0), 18.0, **where)
+    crossing = make_crossing(bridge, dataclasses.replace(truck, damping=0.0), **where)
     found = law.gains_for(crossing, speeds, x, np.array(roads))["damping"]
     cars = [dataclasses.replace(truck, damping=c) for c in law.dampings]
     dafs = [

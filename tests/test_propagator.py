@@ -12,7 +12,7 @@ from bridgectl.linear.runs import effect_samples, prepare, propagate
 
 
 def moments(case, refine):
-    crossing = bc.Crossing(case["beam"], case["vehicle"], case["speed"])
+    crossing = bc.Crossing(case["beam"], case["vehicle"])
     run = prepare(crossing, case["profile"], case["start"])
     nodes = run.nodes(case["speed"], refine)
     bridge = propagate(run, np.array([case["speed"]]), nodes)[-1]
@@ -41,7 +41,7 @@ def test_the_cells_are_of_fourth_order_or_better(bridge, truck):
 
 def test_nodes_stand_at_every_kink(bridge, truck):
     convoy = bc.convoy([truck, truck], [0, 3.3])
-    crossing = bc.Crossing(bridge, convoy, 30.0, section=0.4)
+    crossing = bc.Crossing(bridge, convoy, bc.Moment(10.0))
     places = kink_positions(crossing, -20.0, 28.3, np.array([-7.77, 4.21]))
     nodes = cell_nodes(crossing, 30.0, places)
     kinks = [-20, -7.77, -4.47, 0, 3.3, 4.21, 7.51, 10, 13.3, 25, 28.3]
@@ -52,16 +52,16 @@ def test_nodes_stand_at_every_kink(bridge, truck):
 
 def test_slow_or_stiff_crossings_get_short_cells(bridge, truck):
     kinks = np.array([0.0, 25.0])
-    usual = len(cell_nodes(bc.Crossing(bridge, truck, 30.0), 30.0, kinks))
-    slow = len(cell_nodes(bc.Crossing(bridge, truck, 3.0), 3.0, kinks))
+    usual = len(cell_nodes(bc.Crossing(bridge, truck), 30.0, kinks))
+    slow = len(cell_nodes(bc.Crossing(bridge, truck), 3.0, kinks))
     many = bc.li2006.beam(n_modes=12)
-    fine = len(cell_nodes(bc.Crossing(many, truck, 30.0), 30.0, kinks))
+    fine = len(cell_nodes(bc.Crossing(many, truck), 30.0, kinks))
     assert usual < slow
     assert usual < fine
 
 
 def test_samples_include_the_nodes(bridge, truck):
-    nodes = cell_nodes(bc.Crossing(bridge, truck, 30.0), 30.0, np.array([0.0, 25.0]))
+    nodes = cell_nodes(bc.Crossing(bridge, truck), 30.0, np.array([0.0, 25.0]))
     positions = sample_positions(nodes)
     assert positions[:: len(SAMPLES)] == pytest.approx(nodes)
     assert np.all(np.diff(positions) > 0)
@@ -81,7 +81,7 @@ def test_smooth_roads_and_no_road_are_the_same(bridge, truck):
 @pytest.mark.filterwarnings("ignore:the axle moves at 5.03e")
 def test_a_crossing_that_would_take_cells_without_end_is_an_error(bridge, truck):
     rigid = dataclasses.replace(truck, tire_stiffness=1e14)
-    run = prepare(bc.Crossing(bridge, rigid, 0.5), None, 0.0)
+    run = prepare(bc.Crossing(bridge, rigid), None, 0.0)
     with pytest.raises(ValueError, match=r"needs .* cells .*check stiffnesses.*n_modes"):
         run.nodes(0.5)
     with pytest.raises(ValueError, match=r"the vehicle's fastest motion .* stiffnesses.* would do"):

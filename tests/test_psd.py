@@ -5,8 +5,7 @@ import pytest
 from scipy.special import digamma
 
 import bridgectl as bc
-from bridgectl.road import RoadPsd, class_roughness
-from bridgectl.road.psd import BAND, PsdFit, elevation_psd
+from bridgectl.road.psd import BAND, PsdFit, RoadPsd, class_roughness, elevation_psd
 
 MEANS = dict(zip("ABCDEFGH", 16e-6 * 4.0 ** np.arange(8), strict=True))
 

@@ -8,6 +8,7 @@ another class of the package.
 import ast
 import importlib
 import inspect
+import json
 import re
 import subprocess
 import sys
@@ -15,65 +16,39 @@ import textwrap
 from collections.abc import Iterator
 from functools import cached_property
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
 import bridgectl as bc
-from bridgectl import dampers, measures
+from bridgectl import _gone, dampers, measures
 from bridgectl.dampers import passive_theory
+from bridgectl.dampers.optimum.clairvoyant import Clairvoyant
+from bridgectl.dampers.peak_value import peak_value
 from bridgectl.extremes import equal_roughness_pair, extreme_road
 from bridgectl.paper import printed as paper
 from bridgectl.paper.damper_validation import DamperCase, Wrong
 from bridgectl.paper.validation import Case, ValidationResults, WarningLight
-from bridgectl.road import PsdFit, bump
+from bridgectl.road import bump
+from bridgectl.road.psd import PsdFit
 from bridgectl.scoring.agreement import Agreement, Paired, Pairs
 from bridgectl.scoring.board import Scoreboard
 from bridgectl.scoring.rows import MEASURES, ClassRow, Ranking
 
-WITH_ALL = ("bridgectl", *(f"bridgectl.{m}" for m in ("dampers", "extremes", "plots", "road")))
+ROOT = Path(__file__).parents[1]
+ROOMS = ("dampers", "extremes", "measures", "plots", "road")
+WITH_ALL = ("bridgectl", *(f"bridgectl.{room}" for room in ROOMS))
 
 OFFERED = {
-    "bridgectl.animation": ["crossing_animation"],
     "bridgectl.paper.good_roads": ["good_roads"],
     "bridgectl.paper.li2006": ["beam", "car", "fig7_road"],
-    "bridgectl.measures": [
-        "FourthPower",
-        "aggregate_fourth_power",
-        "dynamic_load_coefficient",
-        "largest",
-        "least_force",
-        "peak_to_peak",
-        "rms",
-        "road_stress_factor",
-        "switching_count",
-    ],
-    "bridgectl.scoring.agreement": [
-        "Agreement",
-        "Paired",
-        "Pairs",
-        "agreement",
-        "over_roads",
-        "paired",
-        "pairs_in_order",
-        "rank_correlation",
-    ],
-    "bridgectl.paper.damper_sets": ["known_dampers", "unseen_dampers"],
-    "bridgectl.paper.damper_validation": ["DamperCase", "Wrong", "validate_dampers"],
-    "bridgectl.paper.printed": ["PaperResults", "Row", "paper_results"],
     "bridgectl.dampers.passive_theory": [
-        "InvariantFrequencies",
-        "Variances",
         "comfort_damping",
         "invariant_frequencies",
         "road_damping",
-        "variances",
-        "white_velocity",
     ],
-    "bridgectl.scoring.rows": ["ClassRow", "Ranking", "Row"],
-    "bridgectl.paper.validation": ["Case", "Peak", "ValidationResults", "WarningLight", "validate"],
-    "bridgectl.measures.weighting": ["weighted_acceleration", "weighted_rms", "weighting_filter"],
 }
 """Public names of modules without ``__all__``; what else is there is for the package itself."""
 
@@ -160,14 +135,20 @@ def _fields(cls: type) -> dict[str, str]:
     }
 
 
+def _names() -> list[tuple[str, str]]:
+    """Modules, and names that they offer."""
+    return [
+        (module, name)
+        for module in (*WITH_ALL, *OFFERED)
+        for name in OFFERED.get(module) or importlib.import_module(module).__all__
+    ]
+
+
 def _offers() -> Iterator[Offer]:
     seen = set()
-    for module in (*WITH_ALL, *OFFERED):
-        package = importlib.import_module(module)
-        for name in OFFERED.get(module, getattr(package, "__all__", ())):
-            thing = getattr(package, name)
-            if not callable(thing) or id(thing) in seen:
-                continue
+    for module, name in _names():
+        thing = getattr(importlib.import_module(module), name)
+        if callable(thing) and id(thing) not in seen:
             seen.add(id(thing))
             yield Offer(f"{module}.{name}", thing)
             if inspect.isclass(thing):
@@ -222,6 +203,54 @@ def _has_unit(text: str) -> bool:
     return any(pattern.search(text) for pattern in (UNIT, DIMENSIONLESS, ELSEWHERE))
 
 
+def test_there_are_at_most_80_public_names_and_each_is_offered_once():
+    names = [name for _, name in _names()]
+    assert len(TOP) <= 80
+    assert sorted(names) == sorted({*names})
+
+
+def _used(text: str) -> set[tuple[str, str]]:
+    """Modules and names that Python in a text imports of bridgectl, and attributes of bc."""
+    named = re.findall(r"from (bridgectl[\w.]*) import (\([^)]+\)|.+)", text)
+    found = {(module, name) for module, names in named for name in re.findall(r"\w+", names)}
+    return found | {("bridgectl", name) for name in re.findall(r"\bbc\.(\w+)", text)}
+
+
+KNOWN = {*_names(), *(("bridgectl", room) for room in bc._ROOMS)}
+
+
+def test_readme_and_notebooks_use_what_is_offered():
+    """But for the look of figures, and the inside of bridgehook, which one notebook opens."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    for path in ROOT.glob("notebooks/*.ipynb"):
+        cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+        text += "".join("\n" + "".join(cell["source"]) for cell in cells)
+    inside = {("bridgectl.plots", "style"), ("bridgectl.dampers.peak_value", "peak_value")}
+    assert len(_used(text)) > 40
+    assert _used(text) - KNOWN == inside
+
+
+@pytest.mark.parametrize("name", TOP)
+def test_examples_use_what_is_offered(name):
+    for offer in _with_members(name):
+        assert _used(offer.sections.get("Examples", "")) <= KNOWN, offer.name
+
+
+GONE = [(f"bridgectl{room}", name) for room, names in _gone._INSTEAD.items() for name in names]
+
+
+@pytest.mark.parametrize(("module", "name"), GONE)
+def test_a_name_that_went_is_an_error_that_says_what_to_type(module, name):
+    with pytest.raises(AttributeError, match=rf"^module '{module}' has no .*'{name}': type \S"):
+        getattr(importlib.import_module(module), name)
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_name_that_never_was_is_a_plain_error(room):
+    with pytest.raises(AttributeError, match=rf"^module 'bridgectl.{room}' .* 'absent'$"):
+        _ = getattr(bc, room).absent
+
+
 @pytest.mark.parametrize("name", bc.__all__)
 def test_a_public_name_exists_and_has_a_docstring(name):
     assert inspect.getdoc(getattr(bc, name))
@@ -271,7 +300,10 @@ def test_every_function_and_class_has_an_example(name):
 
 
 QUANTITY = re.compile(r"\d (m|N|kg|s|Hz|J|mm|ms|m/s|m/km|km/h|cycles/m|kN|1/\(N s\))\b")
-DIMENSIONLESS_CLASSES = (Wrong, Agreement, ClassRow, Paired, Pairs, Ranking, WarningLight)
+DIMENSIONLESS_CLASSES = (
+    Wrong, Agreement, ClassRow, Paired, Pairs, Ranking, WarningLight, bc.TireForce,
+    bc.BodyAcceleration,
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -297,14 +329,16 @@ def things(bridge, truck):
     daf = 1 + 0.1 * np.random.default_rng(0).normal(size=(3, 2, 2, 1))
     judged = DamperCase(25.0, "A", ("a", "b", "c"), 2, daf, daf, daf, np.array([1.0, 1.1, 1.2]))
     return [
-        bridge, truck, truck.linear, bc.Crossing(bridge, truck, 25.0), road, surface, board,
+        bridge, truck, truck.linear, bc.Crossing(bridge, truck), road, surface, board,
         *[board.rows()[0], board.difference("skyhook"), bc.dae_trust(surface, road)],
+        bc.prediction_matrices(bridge, truck, 25.0), bc.Moment(10.0), bc.Deflection(10.0),
+        bc.TireForce(), bc.BodyAcceleration(), bc.Motion(25.0),
         dampers.skyhook(1e3, 30e3), hook, dampers.preset(1e3, 30e3), dampers.Damper(hook, lag=0.01),
-        dampers.costate(bridge, truck, 25.0), dampers.peak_value(bridge, truck, 25.0, 1e3, 30e3),
+        dampers.costate(bridge, truck, 25.0), peak_value(bridge, truck, 25.0, 1e3, 30e3),
         dampers.simulate_loop(bridge, truck, *loop, record=["tire_force"]),
         bc.ramp_heights(bridge, truck, dampers.passive(7e3), 25.0, 5.0, approach=0.0),
         dampers.program_sensitivity(bridge, truck, 25.0, [0], [7e3], road.x, road.elevation),
-        dampers.Clairvoyant(1.0, 1.1, x, 1e3 + x, 0.01, 1e3, 30e3, "solved"),
+        Clairvoyant(1.0, 1.1, x, 1e3 + x, 0.01, 1e3, 30e3, "solved"),
         equal_roughness_pair(surface, road, 25.0), extreme_road(surface, speed=25.0),
         PsdFit(16e-6, 2.0), bc.utia_road().psd(), bump(-5.0, length=1.0, height=0.03),
         measures.aggregate_fourth_power(1e5 + 0 * x, 1e5, x),
@@ -328,12 +362,25 @@ def test_every_class_shows_itself_in_one_line_with_units(things):
     assert classes <= {type(thing) for thing in things}
 
 
+def test_the_numbers_of_every_result_have_units_or_say_that_they_have_none(things):
+    for result in {type(thing) for thing in things}:
+        owners = [c for c in result.__mro__ if c.__module__.startswith("bridgectl")]
+        told = {key: text for c in owners for key, text in Offer(c.__name__, c).told.items()}
+        fields = {*getattr(result, "_fields", ()), *getattr(result, "__dataclass_fields__", ())}
+        for owner in owners:
+            for name, annotation in inspect.get_annotations(owner).items():
+                if name in fields and NUMBERS.search(str(annotation)) and name[0] != "_":
+                    assert _has_unit(told.get(name, "")), f"{owner.__name__}: {name}"
+
+
 def test_a_crossing_and_a_damper_tell_every_parameter(bridge, truck):
-    crossing = repr(bc.Crossing(bridge, truck, 25.0, effect="tire_force"))
+    crossing = repr(bc.Crossing(bridge, truck, bc.TireForce()))
     assert repr(bridge) in crossing
     assert repr(truck) in crossing
-    assert (
-        "speed=25 m/s, section=0.5 of the span, recovery='exact', effect='tire_force'" in crossing
+    assert "TireForce(tire=1)" in crossing
+    moment = bc.Moment(10.0, recovery="li2006", sense="smallest")
+    assert "Moment(at=10 m, recovery='li2006', sense='smallest')" in repr(
+        bc.Crossing(bridge, truck, moment)
     )
     assert repr(dampers.Damper(dampers.passive(7e3), max_force=15e3)) == (
         "Damper(Strategy('passive 7 kN s/m', c from 7000 to 7000 N s/m), sample_time=0.002 s, "

@@ -8,7 +8,7 @@ from test_closed_loop import LAWS, random_loop
 import bridgectl as bc
 from bridgectl import ramp_heights
 from bridgectl.dampers import Damper, bridgehook, passive
-from bridgectl.plots import ramp_height_figure
+from bridgectl.plots.ramp_heights import ramp_height_figure
 
 SPEED, PLACE = 25.0, -35.0
 
@@ -141,7 +141,8 @@ def test_the_first_and_the_last_place_and_those_between_are_taken(bridge, truck,
 @pytest.fixture(scope="module")
 def figure(bridge, truck):
     laws = [passive(7e3), bridgehook(bridge, truck, 1e3, 30e3)]
-    return ramp_height_figure([ramp_heights(bridge, truck, law, SPEED, PLACE) for law in laws])
+    first, *others = (ramp_heights(bridge, truck, law, SPEED, PLACE) for law in laws)
+    return first.plot(*others)
 
 
 def lines_of(axes):

@@ -15,18 +15,17 @@ from scipy.integrate import quad
 import bridgectl as bc
 from bridgectl._places import SAME_PLACE
 from bridgectl.road import (
-    RoadEvent,
     RoadProfile,
     add_events,
     bump,
     plank,
-    pothole,
     ramp,
     settlement,
     step,
     tire_footprint,
     utia_road,
 )
+from bridgectl.road.events import RoadEvent
 
 ROUND_OFF = 1e-12  # [m]
 NANOMETRE = 1e-9
@@ -41,7 +40,7 @@ MAKERS: list[Callable[..., RoadEvent]] = [
     ramp,
     plank,
     bump,
-    lambda x, length, height: pothole(x, length, abs(height)),
+    lambda x, length, height: bump(x, length, -abs(height)),
     lambda x, length, height: settlement(length, abs(height), x=x),
     lambda x, length, height: settlement(length, abs(height), x=x, shape="parabolic"),
 ]
@@ -172,11 +171,6 @@ def test_a_bump_has_its_peak_its_area_and_its_curve(x: float, length: float, hei
     assert event.rise[0] == event.rise[-1] == 0
 
 
-@given(millimetres, lengths, depths)
-def test_a_pothole_is_a_bump_upside_down(x: float, length: float, depth: float) -> None:
-    assert pothole(x, length, depth) == bump(x, length, -depth)
-
-
 def test_a_linear_settlement_is_a_ramp_up_to_the_abutment() -> None:
     assert settlement(12, 0.04) == ramp(-12, 12, 0.04)
     assert settlement(6, 0.04, x=25).x.tolist() == [19, 25]
@@ -209,11 +203,10 @@ def test_a_settled_approach_differs_from_a_sunken_road_only_by_the_datum() -> No
         (lambda: plank(0, 0.3, 0.06), "type over=0.06 or more"),
         (lambda: plank(0, 0.1, 0.04), "over = 0.05 m twice .* type over=0.025, or bump"),
         (lambda: bump(0, 0.1, 0.05), "type length=0.158 or more"),
-        (lambda: pothole(0, 0.1, 0.05), "depth = 0.05 m .* type length=0.158 or more"),
+        (lambda: bump(0, 0.1, -0.05), "height = -0.05 m .* type length=0.158 or more"),
         (lambda: settlement(6, 4, shape="parabolic"), "type length=8 or more"),
         (lambda: settlement(6, 0.04, shape="round"), "shape must be one of 'linear', 'parabolic'"),
         (lambda: settlement(6, -0.04), "depth must be 0 or more"),
-        (lambda: pothole(0, 1, -0.04), "depth must be 0 or more"),
         (lambda: step(0, 0.02, over=0), "over must be above 0"),
         (lambda: ramp(0, -1, 0.02), "length must be above 0"),
         (lambda: bump(np.nan, 1, 0.02), "x must be finite"),

@@ -11,14 +11,12 @@ from helpers import rough_road, run_command
 
 import bridgectl as bc
 from bridgectl.dampers import passive
-from bridgectl.plots import profile_figure
 from bridgectl.road import (
     RoadProfile,
     add_events,
     bump,
     iso8608_elevations,
     plank,
-    pothole,
     ramp,
     read_profile,
     settlement,
@@ -296,7 +294,7 @@ DRAWN = {
     "joints": level(*(step(5.0 * i, 0.005) for i in range(-38, 4))),
     "bumps": level(*(bump(5.0 * i, 1.0, 0.02) for i in range(-38, 4))),
     "plank": level(plank(-5.0, 0.3, 0.03)),
-    "pothole": level(pothole(-5.0, 0.6, 0.05)),
+    "pothole": level(bump(-5.0, 0.6, -0.05)),
     "ramp": level(ramp(-20.0, 15.0, 0.04)),
     "settlement": level(settlement(10.0, 0.03)),
     "random ramps": rough_road(1, -20, 25, 1.0),
@@ -314,7 +312,7 @@ def test_fine_roads_of_every_kind_are_not_coarse(fine):
     """Potholes, smooth waves, slabs that curl, elevations in whole centimetres."""
     road = bc.utia_road()
     for height in (0.02, 0.05, 0.1):
-        holes = [pothole(490.0 + 25 * i, 1.0, height) for i in range(20)]
+        holes = [bump(490.0 + 25 * i, 1.0, -height) for i in range(20)]
         holed = add_events(road, *holes).resample(0.25)
         assert RoadProfile(holed.x, holed.elevation).measured_step == pytest.approx(0.25)
     x = 0.05 * np.arange(6000)
@@ -380,7 +378,7 @@ def test_a_long_road_lists_some_segments_and_counts_the_rest(capsys, tmp_path):
 
 def test_the_figure_of_a_coarse_road_names_no_class(fine):
     with pytest.warns(UserWarning, match="too coarsely for an IRI"):
-        figure = profile_figure([sampled(fine, 2.0)])
+        figure = sampled(fine, 2.0).plot_roughness()
     below, spectra = figure.axes[1].get_legend(), figure.axes[2].get_legend()
     assert below.get_texts()[0].get_text().endswith("m/km (coarse)")
     assert [text.get_text() for text in spectra.get_texts()] == ["road: too coarse for a class"]

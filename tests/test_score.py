@@ -9,9 +9,10 @@ import pytest
 from scipy import stats
 
 import bridgectl as bc
-from bridgectl import dampers, measures
+from bridgectl import dampers
 from bridgectl.dampers import Damper, simulate_loop
-from bridgectl.measures.weighting import weighted_rms
+from bridgectl.measures import aggregate_fourth_power, weighted_rms
+from bridgectl.measures.history import rms
 from bridgectl.road import iso8608_elevations
 from bridgectl.scoring import run as scoring
 from bridgectl.scoring.agreement import paired, rank_correlation
@@ -62,7 +63,7 @@ def test_every_measure_is_that_of_the_recorded_histories(bridge, truck, roads, b
             "tire_force_95": np.percentile(force, 95) / load,
             "road_stress": np.mean((force / load) ** 4),
             "least_force": loop.least_force[j, 0],
-            "body_acceleration": measures.rms(ride),
+            "body_acceleration": rms(ride),
             "weighted_acceleration": weighted_rms(ride, 2e-3),
             "suspension_travel": np.abs(history["suspension_travel"]).max(),
             "switching_rate": loop.switches[j, 0] / (32 / SPEEDS[j]),
@@ -71,7 +72,7 @@ def test_every_measure_is_that_of_the_recorded_histories(bridge, truck, roads, b
             assert board.values[name][1, 2, j] == pytest.approx(value, rel=1e-6), name
     assert set(expected) | {"daf", "dae", "dae_2"} == set(MEASURES)
     places = [
-        measures.aggregate_fourth_power(
+        aggregate_fourth_power(
             h["tire_force"][0], load, -5 + c * 2e-3 * np.arange(h["tire_force"].shape[1])
         ).values
         for c, h in zip(SPEEDS, loop.histories, strict=True)

@@ -10,7 +10,7 @@ from matplotlib.text import Text
 
 import bridgectl as bc
 from bridgectl.dampers import groundhook, passive, pdd, skyhook
-from bridgectl.plots import score_figure
+from bridgectl.plots.scores import score_figure
 
 STRATEGIES = [
     passive(7e3), passive(30e3), skyhook(1e3, 30e3), passive(1e3), groundhook(1e3, 30e3),

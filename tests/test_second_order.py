@@ -13,7 +13,8 @@ import bridgectl as bc
 from bridgectl import dampers
 from bridgectl.dampers import Damper, simulate_loop
 from bridgectl.plots import effects_figure
-from bridgectl.road import iso8608_elevations, ramp_covariance
+from bridgectl.road import iso8608_elevations
+from bridgectl.road.iso8608 import ramp_covariance
 
 SPEEDS = np.array([60, 90, 108]) / 3.6
 EVERY = 25

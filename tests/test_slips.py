@@ -24,7 +24,11 @@ GOOD = {
         "tire_stiffness": 1.8e6, "damping": 7e3,
     },
     "daf": {"beam": BEAM, "vehicle": CAR, "speeds": [20, 25], "profile": ROAD, "start": -10},
+    "peak_effect": {"beam": BEAM, "vehicle": CAR, "speeds": 25, "profile": ROAD, "start": -10},
     "crossing_response": {
+        "beam": BEAM, "vehicle": CAR, "speed": 25, "profile": ROAD, "start": -10
+    },
+    "prediction_matrices": {
         "beam": BEAM, "vehicle": CAR, "speed": 25, "profile": ROAD, "start": -10
     },
     "ramp_surface": {"beam": BEAM, "vehicle": CAR, "speeds": 25},
@@ -187,9 +191,13 @@ SLIPS = {
         "speeds": SPEEDS, "profile": PROFILE, "start": START, "effect": EFFECT, "method": METHOD,
         "damper": DAMPER, "progress": PROGRESS,
     },
+    "peak_effect": MODEL | {
+        "speeds": SPEEDS, "profile": PROFILE, "start": START, "effect": EFFECT, "method": METHOD,
+        "damper": DAMPER, "progress": PROGRESS,
+    },
     "crossing_response": MODEL | {
         "speed": slips_of_numbers("speed", (80, "speed of 80 m/s .*type 80 / 3.6")),
-        "profile": PROFILE, "start": START, "method": METHOD, "damper": DAMPER,
+        "profile": PROFILE, "start": START, "method": METHOD, "damper": DAMPER, "effect": EFFECT,
         "tail": slips_of_numbers("tail", least="0 or more"),
         "timepts": [
             ([0, 100], "timepts must lie within the crossing"),
@@ -197,6 +205,10 @@ SLIPS = {
             (5.0, r"timepts must have shape \(n,\)"),
             (MASKED, "timepts has 1 masked value"),
         ],
+    },
+    "prediction_matrices": MODEL | {
+        "speed": slips_of_numbers("speed", (80, "speed of 80 m/s .*type 80 / 3.6")),
+        "profile": PROFILE, "start": START, "effect": EFFECT,
     },
     "ramp_surface": MODEL | {
         "speeds": SPEEDS, "effect": EFFECT, "method": METHOD, "damper": DAMPER,

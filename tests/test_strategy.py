@@ -142,8 +142,8 @@ def test_a_damper_takes_the_place_of_the_vehicles_own(truck):
 
 def test_the_librarys_bridgehook_is_for_the_bridge_the_vehicle_and_the_section(bridge, truck):
     hook = dampers.library(bridge, truck, SOFT, STIFF, section=0.3)[-1]
-    assert (hook.beam, hook.vehicle, hook.section) == (bridge, truck, 0.3)
-    assert dampers.library(bridge, truck, SOFT, STIFF)[-1].section == 0.5
+    assert (hook.beam, hook.vehicle, hook.effect) == (bridge, truck, bc.Moment(7.5))
+    assert dampers.library(bridge, truck, SOFT, STIFF)[-1].effect.at == 12.5
 
 
 def test_the_library_needs_a_damping_to_compare_with_however_small(bridge, truck):

@@ -152,7 +152,7 @@ def test_a_file_tells_what_it_holds_without_bridgectl(surface, tmp_path):
     with np.load(tmp_path / "surface.npz", allow_pickle=False) as saved:
         arrays = dict(saved)
     header = json.loads(str(arrays.pop("header")))
-    assert (header["format"], header["version"]) == ("bridgectl ramp surface", 2)
+    assert (header["format"], header["version"]) == ("bridgectl ramp surface", 3)
     assert header["bridgectl"] == bc.__version__
     assert header["parameters"]["beam.length"] == 25.0
     assert header["units"]["beam.flexural_rigidity"] == "N m^2"
@@ -163,7 +163,11 @@ def test_a_file_tells_what_it_holds_without_bridgectl(surface, tmp_path):
         if not name.startswith("vehicle."):
             assert len(header["arrays"][name]["axes"]) == array.ndim, name
     parts = {name for name in header["parameters"] if "." in name}
-    assert parts - header["units"].keys() <= {"vehicle.coordinates"}
+    assert parts - header["units"].keys() <= {
+        "vehicle.coordinates",
+        "effect.recovery",
+        "effect.sense",
+    }
 
 
 def test_a_new_field_of_a_surface_is_saved_without_further_ado(small, tmp_path, monkeypatch):
@@ -333,10 +337,10 @@ def parameter(name, value):
         (lambda h, a: h["arrays"]["daf_unit"].pop("memory_order"), "KeyError: 'memory_order'"),
         (lambda h, a: a.pop("daf_unit"), "lacks 'daf_unit'"),
         (lambda h, a: a.update(more=np.zeros(1)), "has 'more', which its 'header' does not name"),
-        (lambda h, a: h["parameters"].pop("section"), "lacks 'section'"),
+        (lambda h, a: h["parameters"].pop("approach"), "lacks 'approach'"),
         (parameter("colour", "red"), "has the unknown 'colour': this file, by bridgectl"),
-        (parameter("section", "mid"), "section must be one number"),
-        (parameter("recovery", "best"), "recovery must be one of 'exact'"),
+        (parameter("effect.at", "mid"), "at must be one number"),
+        (parameter("effect.recovery", "best"), "recovery must be one of 'exact'"),
         (parameter("beam.length", -25.0), "length must be above 0 [m]"),
         (parameter("beam.length", 50.0), "'positions' are not those of 10 ramps"),
         (parameter("ramp_length", 4.9), "'positions' are not those of 6 ramps"),
@@ -363,8 +367,8 @@ def test_a_surface_that_does_not_fit_is_refused(file, change, says):
 @pytest.mark.parametrize(
     "change",
     [
-        parameter("section", 0.45),
-        parameter("recovery", "exact"),
+        parameter("effect.at", 11.25),
+        parameter("effect.recovery", "exact"),
         parameter("ramp_height", 2e-3),
         parameter("beam.length", np.nextafter(25.0, 0)),
         parameter("beam.n_modes", 2),
@@ -555,8 +559,8 @@ def test_only_surfaces_of_known_parts_are_saved(small, tmp_path):
     truss = Truss(25, 18358, 4.86535e10)
     with pytest.raises(TypeError, match="beam is a Truss, which files do not hold"):
         save_surface(dataclasses.replace(small, beam=truss), path)
-    with pytest.raises(TypeError, match="section is a complex, which files do not hold"):
-        save_surface(dataclasses.replace(small, section=1j), path)
+    with pytest.raises(TypeError, match="approach is a complex, which files do not hold"):
+        save_surface(dataclasses.replace(small, approach=1j), path)
     assert not list(tmp_path.iterdir())
 
 
@@ -605,7 +609,7 @@ def test_a_dataset_has_the_surface_with_labels(surface):
     assert at_90 == surface.daf_unit[1, np.argmin(np.abs(surface.positions))]
     assert data.attrs["beam_flexural_rigidity"] == 4.86535e10
     assert data.attrs["beam_flexural_rigidity_units"] == "N m^2"
-    assert data.attrs["recovery"] == surface.recovery
+    assert data.attrs["effect_recovery"] == surface.recovery
     assert data.attrs["vehicle"] == type(surface.vehicle).__name__
 
 

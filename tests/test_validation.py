@@ -17,7 +17,7 @@ from bridgectl.paper.validation import (
     SUPERPOSED_TOLERANCE,
     validate,
 )
-from bridgectl.plots import validation_figure
+from bridgectl.plots.validation import validation_figure
 from bridgectl.road.iri import GOOD
 
 FEW = np.array([66.0, 100.0, 108.0]) / 3.6

@@ -106,7 +106,7 @@ def test_hopeless_work_is_refused_at_once_with_its_cause_and_what_would_do(bridg
 def test_what_would_do_does(truck):
     """The estimate of the value that is offered is within the limits, and not far from them."""
     for n_modes, done in ((80, True), (90, False)):
-        run = prepare(bc.Crossing(many_modes(n_modes), truck, 25), None, 0.0)
+        run = prepare(bc.Crossing(many_modes(n_modes), truck), None, 0.0)
         if done:
             require_crossing(run, np.array([25.0]))
         else:
@@ -118,14 +118,14 @@ def test_what_studies_need_is_not_refused_and_takes_no_word(truck):
     """The README's benchmarks, 20 modes, a thousand roads, crawling: all within the limits."""
     speeds = np.linspace(50, 150, 101) / 3.6
     for beam in (bc.li2006.beam(), many_modes(20)):
-        crossing = bc.Crossing(beam, truck, 25)
+        crossing = bc.Crossing(beam, truck)
         require_crossing(prepare(crossing, None, -200.0), speeds)
         require_surface(crossing, speeds, 200.0, 0.1, "propagator")
-    crossing = bc.Crossing(bc.li2006.beam(43), truck, 0.01)
+    crossing = bc.Crossing(bc.li2006.beam(43), truck)
     run = prepare(crossing, None, 0.0)
     require_crossing(run, np.array([0.03, 1 / 3.6]))
     stations = -60 + 0.1 * np.arange(851)
-    bare = bc.Crossing(bc.li2006.beam(), bare_vehicle(truck), 25)
+    bare = bc.Crossing(bc.li2006.beam(), bare_vehicle(truck))
     require_loop(
         bare, [Damper(SKYHOOK)] * 20, speeds[::10], stations, 1000, n_ramps=850, n_recorded=3,
         at_once=50, announced=False,
@@ -171,9 +171,7 @@ def test_where_memory_runs_out_all_the_same_the_advice_is_of_the_estimate(
     capsys, monkeypatch, bridge, truck
 ):
     def too_large(*args, **kwargs):
-        require_surface(
-            bc.Crossing(bridge, truck, 25), np.full(3000, 25.0), 10.0, 0.1, "propagator"
-        )
+        require_surface(bc.Crossing(bridge, truck), np.full(3000, 25.0), 10.0, 0.1, "propagator")
         raise MemoryError
 
     monkeypatch.setattr(bc, "ramp_surface", too_large)

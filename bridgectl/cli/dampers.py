@@ -149,8 +149,7 @@ def damper_validation_json(cases: Sequence[DamperCase]) -> dict[str, Any]:
 def _case_json(case: DamperCase) -> dict[str, Any]:
     first, second = case.errors
     return {
-        "span_m": case.span,
-        "road_class": case.road_class,
+        "span_m": case.span, "road_class": case.road_class,
         "roads_and_mirror_images": 2 * case.daf.shape[2],
         "dampers": [
             {
@@ -160,15 +159,10 @@ def _case_json(case: DamperCase) -> dict[str, Any]:
             }
             for i, name in enumerate(case.dampers)
         ],
-        "tau": case.tau._asdict(),
-        "tau_known": case.tau_known._asdict(),
-        "tau_known_eq_15": case.tau_eq_15._asdict(),
-        "clear_pairs": case.clear_pairs._asdict(),
+        "tau": case.tau._asdict(), "tau_known": case.tau_known._asdict(),
+        "tau_known_eq_15": case.tau_eq_15._asdict(), "clear_pairs": case.clear_pairs._asdict(),
         "clear_pairs_required_share": required_share(case.span),
-        "far_pairs": case.far_pairs._asdict(),
-        "far_pairs_required_share": FAR_REQUIRED,
-        "share_of_what_roads_add": case.share[0],
-        "share_correlation": case.share[1],
-        "rms_error_ratio": case.error_ratio,
-        "wrong_pairs": [each._asdict() for each in case.wrong],
+        "far_pairs": case.far_pairs._asdict(), "far_pairs_required_share": FAR_REQUIRED,
+        "share_of_what_roads_add": case.share[0], "share_correlation": case.share[1],
+        "rms_error_ratio": case.error_ratio, "wrong_pairs": [each._asdict() for each in case.wrong],
     }  # fmt: skip

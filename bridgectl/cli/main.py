@@ -9,35 +9,14 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
+from importlib import import_module
 from typing import Any, NoReturn
 
 import bridgectl as bc
 from bridgectl import _checks as check
+from bridgectl._units import from_kmh
 from bridgectl._work import memory_advice
-from bridgectl.cli.options import (
-    add_bridge_options,
-    add_file_options,
-    add_output_options,
-    add_place_options,
-    add_validation_options,
-    add_vehicle_options,
-    as_number,
-    as_options,
-    check_plot,
-    check_ramps,
-    check_work,
-    file_arguments,
-    make_beam,
-    make_vehicle,
-    numbers,
-    parse_speeds,
-    place_road,
-    refuse_file_options,
-    resumed,
-    save_figure,
-    tell_drawn,
-    working,
-)
+from bridgectl.cli import options
 from bridgectl.cli.score import SCORE_HELP, add_score_options, run_score
 
 SEGMENT = 100.0
@@ -128,18 +107,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        Arguments after the program's name. Default: those of the process.
-
-    Returns
-    -------
-    int
-        Exit status: 0, or 2 for a mistake in what was asked, told in one line.
-    """
+    """Run a command, of this process by default; 2 after a mistake, which is told in one line."""
     try:
         with warnings.catch_warnings(), redirect_stdout(_Output()):
             warnings.simplefilter("always", UserWarning)
@@ -212,7 +180,7 @@ def _show_each_once() -> Callable[..., None]:
     def show(message: Warning | str, *_: Any, **__: Any) -> None:
         if str(message) not in told:
             told.add(str(message))
-            _tell("warning", as_options(str(message)))
+            _tell("warning", options.as_options(str(message)))
 
     return show
 
@@ -233,33 +201,41 @@ def _parser() -> _Parser:
     score = command("score", run_score, "damper strategies, scored for a bridge", SCORE_HELP)
     add_score_options(score)
     dae = command("dae", _run_dae, "DAE and DAF of a measured road", DAE_HELP)
-    add_file_options(dae)
-    add_place_options(dae)
-    add_bridge_options(dae)
-    add_vehicle_options(dae)
+    options.add_file_options(dae)
+    options.add_place_options(dae)
+    options.add_bridge_options(dae)
+    options.add_vehicle_options(dae)
     brief = "IRI, spectrum and ISO class of a road file"
     profile = command("profile", _run_profile, brief, PROFILE_HELP)
-    add_file_options(profile)
-    profile.add_argument(
-        "--segment", type=as_number, default=SEGMENT, metavar="M",
-        help=f"length over which IRIs are taken [m] (default {SEGMENT:g})",
-    )  # fmt: skip
+    options.add_file_options(profile)
+    text = f"length over which IRIs are taken [m] (default {SEGMENT:g})"
+    options.add_option(profile, "--segment", "M", text, options.as_number, SEGMENT)
     command("paper", _run_paper, "the paper's numbers", PAPER_HELP)
     validate = command("validate", _run_validate, "DAE against DAF on good roads", VALIDATE_HELP)
-    add_validation_options(validate)
+    options.add_validation_options(validate)
     for made in commands.choices.values():
-        add_output_options(made)
+        options.add_output_options(made)
     return parser
+
+
+def _json(results: dict[str, Any]) -> str:
+    return json.dumps(results, indent=1)
+
+
+def _figure(name: str) -> Any:
+    """A figure's function, by module and name, that is loaded when it is drawn."""
+    module, _, what = name.partition(".")
+    return getattr(import_module(f"bridgectl.plots.{module}"), f"{what}_figure")
 
 
 def _run_dae(args: argparse.Namespace) -> None:
     from bridgectl.cli.tables import DaeStudy, dae_json, print_dae
 
-    speeds = parse_speeds(args.speeds) / 3.6
-    check_plot(args.plot)
-    beam, vehicle = make_beam(args), make_vehicle(args)
+    speeds = from_kmh(options.parse_speeds(args.speeds))
+    options.check_plot(args.plot)
+    beam, vehicle = options.make_beam(args), options.make_vehicle(args)
     road, station = _road(args, beam.length)
-    with working("computing the ramp surface"):
+    with options.working("computing the ramp surface"):
         surface = bc.ramp_surface(
             beam, vehicle, speeds, approach=args.approach,
             section=args.section, recovery=args.recovery,
@@ -272,68 +248,54 @@ def _run_dae(args: argparse.Namespace) -> None:
         warnings.simplefilter("ignore", bc.LiftOffWarning)
         superposed = surface.superposed_daf(road)
     study = DaeStudy(surface, vehicle, road, station, surface.dae(road), superposed, simulated)
-    if args.plot is not None:
-        from bridgectl.plots import dae_figure
-
-        figure = dae_figure(surface, road, superposed=superposed, simulated=simulated)
-        save_figure(figure, args.plot)
-    if args.json:
-        print(json.dumps(dae_json(study), indent=1))
-    else:
-        print_dae(study)
-        tell_drawn(args.plot)
+    computed = {"superposed": superposed, "simulated": simulated}
+    options.deliver(
+        args, lambda: _figure("dae.dae")(surface, road, **computed),
+        lambda: _json(dae_json(study)), lambda: print_dae(study),
+    )  # fmt: skip
 
 
 def _road(args: argparse.Namespace, span: float) -> tuple[bc.RoadProfile, float]:
     """The road under approach and bridge, in ramps, and the station of the bridge."""
-    check_ramps("--approach", args.approach)
+    options.check_ramps("--approach", args.approach)
     if args.file is None:
-        refuse_file_options(args)
-        return place_road(args, bc.utia_road(), "that comes with the program", span)
-    whole = bc.read_profile(args.file, track=args.track, **file_arguments(args))
-    return place_road(args, whole, args.file, span)
+        options.refuse_file_options(args)
+        return options.place_road(args, bc.utia_road(), "that comes with the program", span)
+    whole = bc.read_profile(args.file, track=args.track, **options.file_arguments(args))
+    return options.place_road(args, whole, args.file, span)
 
 
 def _run_profile(args: argparse.Namespace) -> None:
     from bridgectl.cli.tables import measure_track, print_profile, profile_json
 
-    check_plot(args.plot)
+    options.check_plot(args.plot)
     if args.file is None:
-        refuse_file_options(args)
+        options.refuse_file_options(args)
         roads = [bc.utia_road()]
     elif args.track is not None:
-        roads = [bc.read_profile(args.file, track=args.track, **file_arguments(args))]
+        roads = [bc.read_profile(args.file, track=args.track, **options.file_arguments(args))]
     else:
-        roads = bc.read_tracks(args.file, **file_arguments(args))
+        roads = bc.read_tracks(args.file, **options.file_arguments(args))
     tracks = [measure_track(road, args.segment) for road in roads]
-    if args.plot is not None:
-        from bridgectl.plots import profile_figure
-
-        figure = profile_figure([track.road for track in tracks], args.segment)
-        save_figure(figure, args.plot)
-    if args.json:
-        print(json.dumps(profile_json(tracks, args.segment), indent=1))
-    else:
-        print_profile(tracks, args.segment)
-        tell_drawn(args.plot)
+    first, *others = (track.road for track in tracks)
+    options.deliver(
+        args, lambda: first.plot_roughness(*others, segment=args.segment),
+        lambda: _json(profile_json(tracks, args.segment)),
+        lambda: print_profile(tracks, args.segment),
+    )  # fmt: skip
 
 
 def _run_paper(args: argparse.Namespace) -> None:
     from bridgectl.cli.tables import paper_json, print_paper
     from bridgectl.paper.printed import paper_results
 
-    check_plot(args.plot)
-    with working("computing the paper's surfaces"):
+    options.check_plot(args.plot)
+    with options.working("computing the paper's surfaces"):
         results = paper_results()
-    if args.plot is not None:
-        from bridgectl.plots import paper_figure
-
-        save_figure(paper_figure(results), args.plot)
-    if args.json:
-        print(json.dumps(paper_json(results), indent=1))
-    else:
-        print_paper(results)
-        tell_drawn(args.plot)
+    options.deliver(
+        args, lambda: _figure("surface.paper")(results),
+        lambda: _json(paper_json(results)), lambda: print_paper(results),
+    )  # fmt: skip
 
 
 def _run_validate(args: argparse.Namespace) -> None:
@@ -347,45 +309,34 @@ def _run_validate(args: argparse.Namespace) -> None:
     from bridgectl.paper.good_roads import LAST, good_roads
     from bridgectl.paper.validation import validate
 
-    check_plot(args.plot)
-    spans = list(dict.fromkeys(numbers("--spans", args.spans, int)))
+    options.check_plot(args.plot)
+    spans = list(dict.fromkeys(options.numbers("--spans", args.spans, int)))
     if max(spans) > LAST:
         raise ValueError(f"--spans must be {LAST:g} m at most, as the roads, got {args.spans}")
-    speeds = parse_speeds(args.speeds or "50:150:1") / 3.6
+    speeds = from_kmh(options.parse_speeds(args.speeds or "50:150:1"))
     for span in spans:  # of a span that there is not, before the work
         bc.li2006.beam(span)
-    with working("making the roads"):
+    with options.working("making the roads"):
         roads = good_roads()
     results = validate(speeds, spans, roads=roads)
-    if args.plot is not None:
-        from bridgectl.plots import validation_figure
-
-        with working("drawing"):
-            save_figure(validation_figure(results), args.plot)
-    if args.json:
-        print(json.dumps(validation_json(results), indent=1))
-    else:
-        print_validation(results)
-        tell_drawn(args.plot)
+    options.deliver(
+        args, lambda: _figure("validation.validation")(results),
+        lambda: _json(validation_json(results)), lambda: print_validation(results),
+    )  # fmt: skip
 
 
 def _run_validate_dampers(args: argparse.Namespace) -> None:
     from bridgectl.cli.dampers import damper_validation_json, print_damper_validation
     from bridgectl.paper.damper_validation import N_PAIRS, validate_dampers
 
-    check_plot(args.plot)
-    check_work(args)
-    spans = list(dict.fromkeys(numbers("--spans", args.spans, int)))
-    speeds = parse_speeds(args.speeds or "60:120:5") / 3.6
+    options.check_plot(args.plot)
+    options.check_work(args)
+    spans = list(dict.fromkeys(options.numbers("--spans", args.spans, int)))
+    speeds = from_kmh(options.parse_speeds(args.speeds or "60:120:5"))
     pairs = check.integer("--pairs", N_PAIRS if args.pairs is None else args.pairs, at_least=2)
-    with resumed(args.resume):
+    with options.resumed(args.resume):
         cases = validate_dampers(speeds, spans, pairs, resume=args.resume, workers=args.workers)
-    if args.plot is not None:
-        from bridgectl.plots import damper_validation_figure
-
-        save_figure(damper_validation_figure(cases), args.plot)
-    if args.json:
-        print(json.dumps(damper_validation_json(cases), indent=1))
-    else:
-        print_damper_validation(cases)
-        tell_drawn(args.plot)
+    options.deliver(
+        args, lambda: _figure("validation.damper_validation")(cases),
+        lambda: _json(damper_validation_json(cases)), lambda: print_damper_validation(cases),
+    )  # fmt: skip

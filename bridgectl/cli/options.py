@@ -7,7 +7,7 @@ import io
 import os
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ import bridgectl as bc
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._files import is_regular, replacing
+from bridgectl._places import SAME_PLACE, even_places, whole_pieces
 from bridgectl._plausible import judge_kmh
 from bridgectl.model.recovery import RECOVERIES
 from bridgectl.surface.compute import RAMP_LENGTH
@@ -35,35 +36,31 @@ VEHICLE = "sprung_mass", "unsprung_mass", "suspension_stiffness", "tire_stiffnes
 SPEEDS_LOOK = "50:150:1 or 80,90,100"
 
 
+def add_option(
+    group: argparse._ActionsContainer, name: str, metavar: str, text: str, kind: Any = None,
+    default: Any = None,
+) -> None:  # fmt: skip
+    """Add an option that takes a value, text if it has no kind."""
+    group.add_argument(name, metavar=metavar, help=text, type=kind, default=default)
+
+
 def add_file_options(parser: argparse.ArgumentParser, *, many: bool = False) -> None:
     """Add FILE, or any number of ROAD, and how they are to be read."""
     file = parser.add_argument_group("road files" if many else "road file")
-    if many:
-        file.add_argument("roads", nargs="*", metavar="ROAD", type=Path,
-                          help="delimited text, ERD or OpenCRG")  # fmt: skip
-    else:
-        file.add_argument("file", nargs="?", metavar="FILE", help="delimited text, ERD or OpenCRG")
-    file.add_argument("--units", metavar="X,Z", help="units of station and elevation, as m,mm")
-    file.add_argument(
-        "--columns", metavar="I,J,...",
-        help="columns of the stations and of elevations, from 0 (default: the first, and those "
-        "whose unit the header states, or else the second)",
-    )  # fmt: skip
-    file.add_argument("--delimiter", metavar="C", help="what separates the columns, as ';'")
-    file.add_argument(
-        "--step", type=as_number, metavar="M", help="distance between lines without stations [m]"
-    )
-    file.add_argument("--decimal", metavar="C", help="decimal mark, as ',' (default: as found)")
-    file.add_argument(
-        "--missing", metavar="V,...",
-        help="what marks missing readings, to be left out, as --missing=-999 or --missing=-999,nan",
-    )  # fmt: skip
-    file.add_argument(
-        "--skip-lines", type=as_whole, metavar="N", help="lines at the top that are no part of it"
-    )
-    file.add_argument(
-        "--track", metavar="NAME", help="which elevations of several, by label or number from 0"
-    )
+    name, shown, kind = ("roads", "ROAD", Path) if many else ("file", "FILE", str)
+    file.add_argument(name, nargs="*" if many else "?", metavar=shown, type=kind,
+                      help="delimited text, ERD or OpenCRG")  # fmt: skip
+    add_option(file, "--units", "X,Z", "units of station and elevation, as m,mm")
+    add_option(file, "--columns", "I,J,...", "columns of the stations and of elevations, from 0 "
+               "(default: the first, and those whose unit the header states, or else the "
+               "second)")  # fmt: skip
+    add_option(file, "--delimiter", "C", "what separates the columns, as ';'")
+    add_option(file, "--step", "M", "distance between lines without stations [m]", as_number)
+    add_option(file, "--decimal", "C", "decimal mark, as ',' (default: as found)")
+    add_option(file, "--missing", "V,...", "what marks missing readings, to be left out, as "
+               "--missing=-999 or --missing=-999,nan")  # fmt: skip
+    add_option(file, "--skip-lines", "N", "lines at the top that are no part of it", as_whole)
+    add_option(file, "--track", "NAME", "which elevations of several, by label or number from 0")
 
 
 def refuse_file_options(args: argparse.Namespace) -> None:
@@ -91,54 +88,42 @@ def add_place_options(
 ) -> None:
     """Add where the bridge is in the road, and the speeds, with their defaults."""
     road = parser.add_argument_group("place of the bridge")
-    road.add_argument(
-        "--station", type=as_number, metavar="M",
-        help="station of the start of the bridge [m]; default: the first after the approach",
-    )  # fmt: skip
-    road.add_argument(
-        "--approach", type=as_number, default=approach, metavar="M",
-        help="road before the bridge that counts [m]; the vehicle starts there "
-        f"(default {approach:g})",
-    )  # fmt: skip
+    add_option(road, "--station", "M", "station of the start of the bridge [m]; default: the first "
+               "after the approach", as_number)  # fmt: skip
+    add_option(road, "--approach", "M", "road before the bridge that counts [m]; the vehicle "
+               f"starts there (default {approach:g})", as_number, approach)  # fmt: skip
     road.add_argument(
         "--no-detrend", action="store_true",
         help="keep the grade; by default the straight line through the road is taken off, "
         "as a vehicle that starts in equilibrium is not on a grade",
     )  # fmt: skip
-    _add_speeds(parser, speeds)
+    _add_speeds(parser, speeds, speeds)
+
+
+def _add_speeds(parser: argparse.ArgumentParser, default: str | None, told: str) -> None:
+    add_option(parser, "--speeds", "A:B:D", "speeds [km/h], from A to B in steps of D, or a list "
+               f"A,B,C (default {told})", default=default)  # fmt: skip
 
 
 def add_validation_options(parser: argparse.ArgumentParser) -> None:
     """Add what a validation may leave out."""
-    parser.add_argument(
-        "--spans", default="15,25,35", metavar="A,B,C",
-        help="spans [m], odd, 9 to 35 (default 15,25,35)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--speeds", metavar="A:B:D",
-        help="speeds [km/h], from A to B in steps of D, or a list A,B,C (default 50:150:1; of "
-        "dampers 60:120:5)",
-    )  # fmt: skip
+    text = "spans [m], odd, 9 to 35 (default 15,25,35)"
+    add_option(parser, "--spans", "A,B,C", text, default="15,25,35")
+    _add_speeds(parser, None, "50:150:1; of dampers 60:120:5")
     dampers = parser.add_argument_group("dampers")
     dampers.add_argument(
         "--dampers", action="store_true", help="put the DAE of second order to the test instead"
     )
-    dampers.add_argument(
-        "--pairs", type=as_whole, metavar="N",
-        help="random roads of each class, with a mirror image each (default 60)",
-    )  # fmt: skip
+    add_option(dampers, "--pairs", "N", "random roads of each class, with a mirror image each "
+               "(default 60)", as_whole)  # fmt: skip
     add_work_options(dampers)
 
 
 def add_work_options(work: argparse._ArgumentGroup) -> None:
     """Add how long work is done, and where it is kept."""
-    work.add_argument(
-        "--resume", metavar="FILE", type=Path,
-        help="keep what is done in FILE, and go on from what it holds",
-    )  # fmt: skip
-    work.add_argument(
-        "--workers", type=as_whole, metavar="N", help="processes (default: one for each core)"
-    )
+    add_option(work, "--resume", "FILE", "keep what is done in FILE, and go on from what it holds",
+               Path)  # fmt: skip
+    add_option(work, "--workers", "N", "processes (default: one for each core)", as_whole)
 
 
 def check_work(args: argparse.Namespace) -> None:
@@ -163,30 +148,18 @@ def resumed(path: Path | None) -> Iterator[None]:
         raise
 
 
-def _add_speeds(parser: argparse.ArgumentParser, default: str) -> None:
-    parser.add_argument(
-        "--speeds", default=default, metavar="A:B:D",
-        help=f"speeds [km/h], from A to B in steps of D, or a list A,B,C (default {default})",
-    )  # fmt: skip
-
-
 def add_bridge_options(parser: argparse.ArgumentParser) -> None:
     """Add the bridge and how its moment is found."""
     bridge = parser.add_argument_group("bridge (Li's thesis, 2006; default the paper's 25 m)")
-    bridge.add_argument("--span", type=as_number, default=25, metavar="M", help="odd, 9 to 43 [m]")
+    add_option(bridge, "--span", "M", "odd, 9 to 43 [m]", as_number, 25)
     bridge.add_argument("--deck", help="solid, Y or super-Y, for spans that have several")
-    bridge.add_argument("--modes", type=as_whole, default=3, metavar="N", help="number (default 3)")
-    bridge.add_argument(
-        "--damping-ratio", default="0", metavar="Z", help="of mode 1, or A,B,C of each (default 0)"
-    )
-    bridge.add_argument(
-        "--section", type=as_number, default=0.5, metavar="S",
-        help="section of the moment, as a fraction of the span (default 0.5)",
-    )  # fmt: skip
-    bridge.add_argument(
-        "--recovery", default="exact", metavar="HOW",
-        help=f"of the moment from the modes: {', '.join(RECOVERIES)} (default exact)",
-    )  # fmt: skip
+    add_option(bridge, "--modes", "N", "number (default 3)", as_whole, 3)
+    add_option(bridge, "--damping-ratio", "Z", "of mode 1, or A,B,C of each (default 0)", None, "0")
+    add_option(bridge, "--section", "S", "section of the moment, as a fraction of the span "
+               "(default 0.5)", as_number, 0.5)  # fmt: skip
+    ways = ", ".join(RECOVERIES)
+    add_option(bridge, "--recovery", "HOW", f"of the moment from the modes: {ways} (default exact)",
+               default="exact")  # fmt: skip
 
 
 def add_vehicle_options(parser: argparse.ArgumentParser) -> None:
@@ -196,15 +169,13 @@ def add_vehicle_options(parser: argparse.ArgumentParser) -> None:
     units = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m"}
     for name in VEHICLE:
         unit, default = units[name.rpartition("_")[2]], getattr(truck, name)
-        vehicle.add_argument(
-            f"--{name.replace('_', '-')}", type=as_number, default=default, metavar="X",
-            help=f"[{unit}] (default {default:g})",
-        )  # fmt: skip
+        option, text = f"--{name.replace('_', '-')}", f"[{unit}] (default {default:g})"
+        add_option(vehicle, option, "X", text, as_number, default)
 
 
 def add_output_options(parser: argparse.ArgumentParser) -> None:
     """Add what becomes of the results."""
-    parser.add_argument("--plot", metavar="FILE", type=Path, help="draw (png, pdf, svg)")
+    add_option(parser, "--plot", "FILE", "draw (png, pdf, svg)", Path)
     parser.add_argument("--json", action="store_true", help="print one JSON object instead")
 
 
@@ -221,14 +192,9 @@ def make_vehicle(args: argparse.Namespace) -> bc.QuarterCar:
 
 
 def place_road(
-    args: argparse.Namespace,
-    whole: bc.RoadProfile,
-    what: str,
-    span: float,
-    *,
-    station: float | None = None,
-    departure: float = 0.0,
-) -> tuple[bc.RoadProfile, float]:
+    args: argparse.Namespace, whole: bc.RoadProfile, what: str, span: float, *,
+    station: float | None = None, departure: float = 0.0,
+) -> tuple[bc.RoadProfile, float]:  # fmt: skip
     """Return the road under approach, bridge and departure, in ramps, and the bridge's station.
 
     `what` names the road in errors; `station` [m] is that of the bridge if --station is not given.
@@ -238,7 +204,7 @@ def place_road(
     station = station if args.station is None else args.station
     end = span + departure
     first, last = float(whole.x[0]) + args.approach, float(whole.x[-1]) - end
-    if not first - 1e-9 <= station <= last + 1e-9:
+    if not first - SAME_PLACE <= station <= last + SAME_PLACE:
         room = (
             f"--station must lie between {first:g} and {last:g} m"
             if first <= last
@@ -263,7 +229,7 @@ def check_ramps(option: str, length: float) -> None:
     """Find out whether a length [m] is one of whole ramps."""
     if not 0 <= length < np.inf:
         raise ValueError(f"{option} must be 0 m or more, got {length:g}")
-    if not np.isclose(length, round(length / RAMP_LENGTH) * RAMP_LENGTH, 0, 1e-9):
+    if not np.isclose(length, round(length / RAMP_LENGTH) * RAMP_LENGTH, 0, SAME_PLACE):
         raise ValueError(
             f"{option} must be a whole number of {RAMP_LENGTH:g} m ramps, got {length:.10g}"
         )
@@ -284,10 +250,22 @@ def save_figure(figure: Figure, path: Path) -> None:
         file.write(drawn.getbuffer())
 
 
-def tell_drawn(path: Path | None) -> None:
-    """Say where the figure is, if there is one."""
-    if path is not None:
-        print(f"Drawn: {path}")
+def deliver(
+    args: argparse.Namespace,
+    draw: Callable[[], Figure],
+    results: Callable[[], str],
+    show: Callable[[], None],
+) -> None:
+    """Draw the figure if it is asked for, and print results for programs or for people."""
+    if args.plot is not None:
+        with working("drawing"):
+            save_figure(draw(), args.plot)
+    if args.json:
+        print(results())
+        return
+    show()
+    if args.plot is not None:
+        print(f"Drawn: {args.plot}")
 
 
 def parse_speeds(text: str) -> FloatArray:
@@ -303,7 +281,7 @@ def parse_speeds(text: str) -> FloatArray:
             raise ValueError(f"--speeds must rise from above 0 km/h, as 50:150:1, got {text!r}")
         if (last - first) / step > 10_000:
             raise ValueError(f"--speeds must be at most 10000 speeds, got {text!r}")
-        speeds = first + step * np.arange(int((last - first) / step + 1e-9) + 1)
+        speeds = even_places(first, step, whole_pieces(last - first, step) + 1)
     if not (np.isfinite(speeds).all() and (speeds > 0).all()):
         raise ValueError(f"--speeds must be above 0 km/h, got {text!r}")
     slowest, fastest = SPEEDS_KMH

@@ -11,29 +11,9 @@ import numpy as np
 
 import bridgectl as bc
 from bridgectl import _checks as check
+from bridgectl._units import from_kmh
 from bridgectl._work import Work, at_most, require_feasible
-from bridgectl.cli.options import (
-    add_bridge_options,
-    add_file_options,
-    add_place_options,
-    add_vehicle_options,
-    add_work_options,
-    as_number,
-    as_whole,
-    check_plot,
-    check_ramps,
-    check_work,
-    file_arguments,
-    make_beam,
-    make_vehicle,
-    parse_speeds,
-    place_road,
-    refuse_file_options,
-    resumed,
-    save_figure,
-    tell_drawn,
-    working,
-)
+from bridgectl.cli import options
 from bridgectl.surface.compute import RAMP_LENGTH
 
 if TYPE_CHECKING:
@@ -83,30 +63,25 @@ examples:
 
 def add_score_options(parser: argparse.ArgumentParser) -> None:
     """Add every option but those of the output."""
-    add_file_options(parser, many=True)
-    add_place_options(parser, approach=60.0, speeds="60:120:10")
-    parser.add_argument(
-        "--departure", type=as_number, default=0.0, metavar="M",
-        help="road after the bridge that is driven, for ride and tire force [m] (default 0)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--random", type=as_whole, default=6, metavar="N",
-        help="random roads of ISO 8608 class A, and as many of class B (default 6)",
-    )  # fmt: skip
+    options.add_file_options(parser, many=True)
+    options.add_place_options(parser, approach=60.0, speeds="60:120:10")
+    text = "road after the bridge that is driven, for ride and tire force [m] (default 0)"
+    options.add_option(parser, "--departure", "M", text, options.as_number, 0.0)
+    text = "random roads of ISO 8608 class A, and as many of class B (default 6)"
+    options.add_option(parser, "--random", "N", text, options.as_whole, 6)
     _add_damper_options(parser)
-    add_bridge_options(parser)
-    add_vehicle_options(parser)
-    add_work_options(parser.add_argument_group("work"))
+    options.add_bridge_options(parser)
+    options.add_vehicle_options(parser)
+    options.add_work_options(parser.add_argument_group("work"))
 
 
 def _add_damper_options(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group(
         "semi-active damper", "Force limit, lag and noise leave constant dampers as they are."
     )
-    group.add_argument(
-        "--strategies", metavar="NAME,NAME",
-        help="those of the library to score beside the vehicle's own damper; 'constant' for the "
-        "constant dampers (default all)",
+    options.add_option(
+        group, "--strategies", "NAME,NAME", "those of the library to score beside the vehicle's "
+        "own damper; 'constant' for the constant dampers (default all)",
     )  # fmt: skip
     for option, default, text in (
         ("--c-min", 1e3, "least damping [N s/m] (default 1000)"),
@@ -116,36 +91,27 @@ def _add_damper_options(parser: argparse.ArgumentParser) -> None:
         ("--max-force", np.inf, "largest damper force [N] (default none)"),
         ("--velocity-noise", 0.0, "noise on measured velocities, rms [m/s] (default 0)"),
     ):
-        group.add_argument(option, type=as_number, default=default, metavar="X", help=text)
-    group.add_argument(
-        "--seed", type=as_whole, default=0, metavar="N", help="of the noise (default 0)"
-    )
+        options.add_option(group, option, "X", text, options.as_number, default)
+    options.add_option(group, "--seed", "N", "of the noise (default 0)", options.as_whole, 0)
 
 
 def run_score(args: argparse.Namespace) -> None:
     """Do what the command asks for."""
-    check_plot(args.plot)
-    check_work(args)
-    speeds = parse_speeds(args.speeds) / 3.6
-    beam, vehicle = make_beam(args), make_vehicle(args)
+    options.check_plot(args.plot)
+    options.check_work(args)
+    speeds = from_kmh(options.parse_speeds(args.speeds))
+    beam, vehicle = options.make_beam(args), options.make_vehicle(args)
     dampers = _dampers(args, beam, vehicle)
     roads = _roads(args, beam.length)
-    with resumed(args.resume):
+    with options.resumed(args.resume):
         board = bc.score(
             dampers, beam, vehicle, roads, speeds, approach=args.approach,
             departure=args.departure, section=args.section, recovery=args.recovery,
             resume=args.resume, workers=args.workers,
         )  # fmt: skip
-    if args.plot is not None:
-        with working("drawing"):
-            save_figure(board.plot(), args.plot)
-    if args.json:
-        print(board.to_json())
-        return
     from bridgectl.scoring.text import print_score
 
-    print_score(board)
-    tell_drawn(args.plot)
+    options.deliver(args, board.plot, board.to_json, lambda: print_score(board))
 
 
 def _dampers(args: argparse.Namespace, beam: bc.Beam, vehicle: bc.QuarterCar) -> list[Damper]:
@@ -205,16 +171,16 @@ def _chosen(
 
 def _roads(args: argparse.Namespace, span: float) -> list[bc.RoadProfile]:
     """The files, or else the measured road, and the random roads."""
-    check_ramps("--approach", args.approach)
-    check_ramps("--departure", args.departure)
+    options.check_ramps("--approach", args.approach)
+    options.check_ramps("--departure", args.departure)
     check.integer("--random", args.random, at_least=0)
     if args.roads:
         roads = [_file_road(args, path, span) for path in _different(args.roads)]
     else:
-        refuse_file_options(args)
+        options.refuse_file_options(args)
         whole = bc.utia_road()
         station = max(STATION, float(whole.x[0]) + args.approach)
-        road, _ = place_road(
+        road, _ = options.place_road(
             args, whole, "that comes with the program", span,
             station=station, departure=args.departure,
         )  # fmt: skip
@@ -223,8 +189,8 @@ def _roads(args: argparse.Namespace, span: float) -> list[bc.RoadProfile]:
 
 
 def _file_road(args: argparse.Namespace, path: Path, span: float) -> bc.RoadProfile:
-    whole = bc.read_profile(path, track=args.track, **file_arguments(args))
-    return place_road(args, whole, str(path), span, departure=args.departure)[0]
+    whole = bc.read_profile(path, track=args.track, **options.file_arguments(args))
+    return options.place_road(args, whole, str(path), span, departure=args.departure)[0]
 
 
 def _different(paths: Sequence[Path]) -> Sequence[Path]:

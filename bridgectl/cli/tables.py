@@ -13,13 +13,15 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_smoothness
 from bridgectl._tables import make_console, make_table
+from bridgectl._units import to_kmh
 from bridgectl._version import __version__
 from bridgectl.model.beam import Beam
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.paper.printed import PaperResults
-from bridgectl.road import PsdFit, RoadProfile
+from bridgectl.road import RoadProfile
 from bridgectl.road.iri import BASE, GOOD
 from bridgectl.road.limits import evenly_spaced, mean_step
+from bridgectl.road.psd import PsdFit
 from bridgectl.road.sampling import too_coarse
 from bridgectl.surface.surface import RampSurface
 
@@ -113,7 +115,7 @@ def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
 def print_dae(study: DaeStudy) -> None:
     """Print the amplification by speed, the critical speed, and the largest ramps."""
     surface, console = study.surface, make_console()
-    kmh, critical = surface.speeds * 3.6, study.critical
+    kmh, critical = to_kmh(surface.speeds), study.critical
     console.print(_dae_heading(study))
     columns = ["speed [km/h]", "DAF smooth", "DAE", "superposed DAF", "simulated DAF", "DAE error"]
     table = make_table("Dynamic amplification by speed", columns)
@@ -172,12 +174,12 @@ def dae_json(study: DaeStudy) -> dict[str, Any]:
                     "suspension_stiffness_N_per_m": vehicle.suspension_stiffness,
                     "tire_stiffness_N_per_m": vehicle.tire_stiffness,
                     "damping_N_s_per_m": vehicle.damping},
-        "speed_km_per_h": (surface.speeds * 3.6).tolist(),
+        "speed_km_per_h": to_kmh(surface.speeds).tolist(),
         "daf_smooth": surface.daf_smooth.tolist(),
         "dae": study.dae.tolist(),
         "daf_superposed": study.superposed.tolist(),
         "daf_simulated": study.simulated.tolist(),
-        "critical_speed_km_per_h": float(surface.speeds[critical] * 3.6),
+        "critical_speed_km_per_h": float(to_kmh(surface.speeds[critical])),
         "critical_daf": float(study.simulated[critical]),
         "largest_contributions": [
             {"x_m": x, "rise_m": rise, "contribution": part} for x, rise, part in study.largest()
@@ -222,13 +224,9 @@ def profile_json(tracks: Sequence[TrackMeasures], segment: float) -> dict[str, A
         "segment_m": segment,
         "tracks": [
             {
-                "name": track.road.name,
-                "from_m": float(track.road.x[0]),
-                "to_m": float(track.road.x[-1]),
-                "points": track.road.x.size,
-                "measured_step_m": track.step,
-                "iri_m_per_km": track.iri,
-                "good": track.good,
+                "name": track.road.name, "from_m": float(track.road.x[0]),
+                "to_m": float(track.road.x[-1]), "points": track.road.x.size,
+                "measured_step_m": track.step, "iri_m_per_km": track.iri, "good": track.good,
                 "segment_iri_m_per_km": track.segments.tolist(),
                 "iso_class": track.fit and track.fit.iso_class,
                 "roughness_m3": track.fit and track.fit.roughness,
@@ -236,7 +234,7 @@ def profile_json(tracks: Sequence[TrackMeasures], segment: float) -> dict[str, A
             }
             for track in tracks
         ],
-    }
+    }  # fmt: skip
 
 
 def paper_json(results: PaperResults) -> dict[str, Any]:

@@ -5,13 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from bridgectl._tables import make_console, make_table
+from bridgectl._units import to_kmh
 from bridgectl._version import __version__
-from bridgectl.paper.validation import (
-    PEAK_TOLERANCE,
-    SUPERPOSED_TOLERANCE,
-    Case,
-    ValidationResults,
-)
+from bridgectl.paper.validation import PEAK_TOLERANCE, SUPERPOSED_TOLERANCE, Case, ValidationResults
 from bridgectl.road.iri import GOOD
 
 NOTE = """\
@@ -45,10 +41,10 @@ def print_validation(results: ValidationResults) -> None:
 def _case_cells(case: Case) -> list[str]:
     cells = []
     for peak in (case.daf_peak, case.dae_peak):
-        cells += [f"{peak.value:.4f}", f"{peak.speed * 3.6:g}"]
+        cells += [f"{peak.value:.4f}", f"{to_kmh(peak.speed):g}"]
     # No negative zero.
     cells += [f"{round(case.peak_difference, 4) + 0.0:+.4f}", f"{case.rms_error:.4f}"]
-    cells += [f"{case.largest_error.value:.4f}", f"{case.largest_error.speed * 3.6:g}"]
+    cells += [f"{case.largest_error.value:.4f}", f"{to_kmh(case.largest_error.speed):g}"]
     flying = int(case.flying.sum())
     return [*cells, f"{case.superposed_error:.0e}", str(flying) if flying else "-"]
 
@@ -97,7 +93,7 @@ def validation_json(results: ValidationResults) -> dict[str, Any]:
     """Give every case of the validation at every speed, with units in the keys."""
     return {
         "bridgectl": __version__,
-        "speed_km_per_h": (results.speeds * 3.6).tolist(),
+        "speed_km_per_h": to_kmh(results.speeds).tolist(),
         "roads": [
             {"road": number, "name": road.name, "iri_m_per_km": float(iri)}
             for number, (road, iri) in enumerate(zip(results.roads, results.iri, strict=True), 1)
@@ -119,22 +115,15 @@ def validation_json(results: ValidationResults) -> dict[str, Any]:
 
 def _case_json(case: Case) -> dict[str, Any]:
     return {
-        "span_m": case.span,
-        "approach_m": case.approach,
-        "road": case.road,
-        "daf_smooth": case.smooth.tolist(),
-        "dae": case.dae.tolist(),
-        "daf_superposed": case.superposed.tolist(),
-        "daf_simulated": case.simulated.tolist(),
-        "peak_daf": case.daf_peak.value,
-        "peak_daf_speed_km_per_h": case.daf_peak.speed * 3.6,
-        "peak_dae": case.dae_peak.value,
-        "peak_dae_speed_km_per_h": case.dae_peak.speed * 3.6,
-        "peak_difference": case.peak_difference,
-        "dae_rms_error": case.rms_error,
+        "span_m": case.span, "approach_m": case.approach, "road": case.road,
+        "daf_smooth": case.smooth.tolist(), "dae": case.dae.tolist(),
+        "daf_superposed": case.superposed.tolist(), "daf_simulated": case.simulated.tolist(),
+        "peak_daf": case.daf_peak.value, "peak_daf_speed_km_per_h": to_kmh(case.daf_peak.speed),
+        "peak_dae": case.dae_peak.value, "peak_dae_speed_km_per_h": to_kmh(case.dae_peak.speed),
+        "peak_difference": case.peak_difference, "dae_rms_error": case.rms_error,
         "dae_largest_error": case.largest_error.value,
-        "dae_largest_error_speed_km_per_h": case.largest_error.speed * 3.6,
+        "dae_largest_error_speed_km_per_h": to_kmh(case.largest_error.speed),
         "superposed_error": case.superposed_error,
-        "lift_off_speeds_km_per_h": (case.speeds[case.flying] * 3.6).tolist(),
+        "lift_off_speeds_km_per_h": to_kmh(case.speeds[case.flying]).tolist(),
         "lift_off_x_m": case.lift_off,
-    }
+    }  # fmt: skip

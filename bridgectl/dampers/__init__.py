@@ -1,8 +1,9 @@
 """Semi-active dampers: strategies as CasADi expressions, and crossings with them in the loop."""
 
+from bridgectl._gone import no_attribute
 from bridgectl.dampers.actuator import Damper
-from bridgectl.dampers.bridgehook import Bridgehook, bridgehook
-from bridgectl.dampers.costate import Costate, costate
+from bridgectl.dampers.bridgehook import bridgehook
+from bridgectl.dampers.costate import costate
 from bridgectl.dampers.laws import (
     add,
     continuous_skyhook,
@@ -15,25 +16,17 @@ from bridgectl.dampers.laws import (
 )
 from bridgectl.dampers.library import library
 from bridgectl.dampers.loop.closed_loop import simulate_loop
-from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.lqr import clipped_lqr
-from bridgectl.dampers.optimum.clairvoyant import Clairvoyant, clairvoyant
-from bridgectl.dampers.peak_value import PeakValue, peak_value
+from bridgectl.dampers.optimum.clairvoyant import clairvoyant
 from bridgectl.dampers.preset import preset
 from bridgectl.dampers.program import program
-from bridgectl.dampers.sensitivity import Sensitivity, program_sensitivity
+from bridgectl.dampers.sensitivity import program_sensitivity
 from bridgectl.dampers.strategy import SIGNALS, Strategy
 from bridgectl.dampers.tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
 
 __all__ = [
     "SIGNALS",
-    "Bridgehook",
-    "Clairvoyant",
-    "Costate",
     "Damper",
-    "LoopResult",
-    "PeakValue",
-    "Sensitivity",
     "Strategy",
     "add",
     "bridgehook",
@@ -47,7 +40,6 @@ __all__ = [
     "library",
     "passive",
     "pdd",
-    "peak_value",
     "preset",
     "program",
     "program_sensitivity",
@@ -57,3 +49,7 @@ __all__ = [
     "skyhook",
     "tire_groundhook",
 ]
+
+
+def __getattr__(name: str) -> object:
+    raise no_attribute(__name__, name)

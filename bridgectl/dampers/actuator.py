@@ -12,7 +12,9 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_damper
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.effects import BodyAcceleration
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 from bridgectl.model.vehicle import Vehicle
 
 
@@ -91,6 +93,34 @@ lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
         """
         return self.strategy.kept if self.max_force == np.inf else None
 
+    def resolved(self, crossing: Crossing) -> tuple[Crossing, Damper | None]:
+        """Return the crossing with a constant damper in the vehicle, or with one that is not.
+
+        Parameters
+        ----------
+        crossing : Crossing
+            Of a `QuarterCar`.
+
+        Returns
+        -------
+        tuple of Crossing and Damper or None
+
+        Raises
+        ------
+        ValueError
+            If the damper is not constant and the effect an acceleration.
+        """
+        if self.constant is not None:
+            car = replace(bare_vehicle(crossing.vehicle), damping=self.constant)
+            return replace(crossing, vehicle=car), None
+        if isinstance(crossing.effect, BodyAcceleration):
+            raise ValueError(
+                "with a damper that is not constant the effect is a moment, a deflection or a tire "
+                f"force, got {crossing.effect!r}: histories of accelerations has simulate_loop("
+                'record=["body_acceleration"])'
+            )
+        return crossing, self
+
     def __repr__(self) -> str:
         return (
             f"Damper({self.strategy!r}, sample_time={self.sample_time:g} s, lag={self.lag:g} s, "
@@ -121,9 +151,4 @@ def as_damper(damper: object) -> Damper:
 
 def bare_vehicle(vehicle: Vehicle | QuarterCar) -> QuarterCar:
     """Return a quarter-car without its damper."""
-    if not isinstance(vehicle, QuarterCar):
-        raise TypeError(
-            f"vehicle must be a QuarterCar, got {type(vehicle).__name__}: other vehicles have "
-            "passive dampers only, type for example bridgectl.li2006.car()"
-        )
-    return replace(vehicle, damping=0.0)
+    return replace(require_quarter_car(vehicle), damping=0.0)

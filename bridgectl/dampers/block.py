@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol
 
+import casadi as ca
 import control
 import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl.dampers.expression import at_sample
 
 CROSSING_OUTPUTS = {
     "body_velocity": "y_s_dot",
@@ -37,21 +39,23 @@ class Measuring(Protocol):
 
     name: str
     c_min: float
+    function: ca.Function
+    gains: dict[str, float]
+    states: dict[str, float]
+    preview: list[float]
 
     @property
     def used(self) -> list[str]:
-        """Signals that the command depends on."""
-
-    def evaluate(self, rows: FloatArray) -> FloatArray:
-        """Damping [N s/m] from the signals, shape (n_signals, count)."""
+        """Signals that the command, or a state, depends on."""
 
 
 def law_block(
-    law: Measuring, signals: Sequence[str], speed: float, rate_time: float
+    law: Measuring, signals: Sequence[str], speed: float, rate_time: float, sample_time: float
 ) -> control.NonlinearIOSystem:
     """Return the block of a law of some signals: see `bridgectl.dampers.Strategy.system`."""
     velocity = check.positive("speed", speed, unit="m/s")
     lag = check.positive("rate_time", rate_time, unit="s")
+    time = check.positive("sample_time", sample_time, unit="s")
     used = set(law.used)
     if loops := [name for name in SAMPLED if name in used]:
         raise ValueError(
@@ -60,30 +64,42 @@ def law_block(
             "daf(..., damper=Damper(law, sample_time=2e-3)) or simulate_loop"
         )
     measured = [*MOTION, *(["tire_force"] if used & {"tire_force", "tire_force_rate"} else [])]
-    states = ["lagged_tire_force"] if "tire_force_rate" in used else []
+    lagged = ["lagged_tire_force"] if "tire_force_rate" in used else []
     places = [signals.index(name) for name in (*measured, "position", "speed")]
     rate, row = MOTION.index("suspension_velocity"), np.zeros((len(signals), 1))
+    gains, n, most = np.reshape([*law.gains.values()], (-1, 1)), len(lagged), len(measured)
+
+    def sampled(t: float, x: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+        row[places, 0] = *u[:most], velocity * t, velocity
+        if lagged:
+            row[signals.index("tire_force_rate")] = tire_rate(x, u)
+        columns = row, gains, x[n:, np.newaxis], [[time]], u[most:, np.newaxis]
+        c, after = at_sample(law.name, law.function, *columns)
+        return c, after[:, 0]
+
+    def tire_rate(x: FloatArray, u: FloatArray) -> FloatArray:
+        return (u[len(MOTION) : most] - x[:n]) / lag
 
     def update(t: float, x: FloatArray, u: FloatArray, p: dict[str, Any]) -> FloatArray:
-        return (u[-1] - x) / lag
+        moved = sampled(t, x, u)[1] if law.states else x[n:]
+        return np.concatenate([tire_rate(x, u), (moved - x[n:]) / time])
 
     def output(t: float, x: FloatArray, u: FloatArray, p: dict[str, Any]) -> FloatArray:
-        row[places, 0] = *u, velocity * t, velocity
-        if states:
-            row[signals.index("tire_force_rate"), 0] = update(t, x, u, p)[0]
         try:
-            c = float(law.evaluate(row)[0])
+            c = float(sampled(t, x, u)[0][0])
         except ValueError:
             # No output of another system is known when all are asked for theirs at first, and
             # only then is a tire force 0 without any motion.
-            if len(u) == len(MOTION) or u.any():
+            if most == len(MOTION) or u.any():
                 raise
             c = law.c_min
         return np.array([c * u[rate], c])
 
+    states = [*lagged, *law.states]
     return control.nlsys(
         update if states else None, output, states=states or None,
-        inputs=[CROSSING_OUTPUTS[name] for name in measured],
+        inputs=[CROSSING_OUTPUTS[name] for name in measured]
+        + [f"ahead_{i + 1}" for i in range(len(law.preview))],
         outputs=["damper_force", "damping"],
         name=law.name.replace(".", "_").lstrip("-") or "damper",
     )  # fmt: skip

@@ -27,19 +27,18 @@ from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
-import control
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.actuator import bare_vehicle
-from bridgectl.dampers.block import RATE_TIME
 from bridgectl.dampers.costate import REACH, Costate, costate
 from bridgectl.dampers.peak_value import PeakValue, peak_value
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import make_crossing
+from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
 
 SPACING = 0.7
@@ -60,7 +59,7 @@ class Bridgehook(Strategy):
 
     Parameters
     ----------
-    beam, vehicle, c_min, c_max, section, feedback, lag
+    beam, vehicle, c_min, c_max, section, effect, feedback, lag
         See `bridgehook`.
 
     Raises
@@ -85,11 +84,12 @@ lag=0 s)
         c_max: float,
         section: float = 0.5,
         *,
+        effect: Effect | str = "moment",
         feedback: bool = True,
         lag: float = 0.0,
     ) -> None:
-        # The crossing checks beam, vehicle and section.
-        self.section = Crossing(beam, bare_vehicle(vehicle), 1.0, section).section
+        # The crossing checks beam, vehicle and effect.
+        self.effect = make_crossing(beam, bare_vehicle(vehicle), effect, section).effect
         if not isinstance(feedback, bool | np.bool_):
             raise TypeError(f"feedback must be True or False, got {feedback!r}")
         self.beam, self.vehicle, self.feedback = beam, vehicle, bool(feedback)
@@ -133,30 +133,9 @@ lag=0 s)
     def _made(self, speed: float) -> Strategy:
         case = self.beam, self.vehicle, speed
         if not self.feedback:
-            return _costate_law(costate(*case, section=self.section), self)
+            return _costate_law(costate(*case, effect=self.effect), self)
         bounds = self.c_min, self.c_max
-        return _feedback_law(peak_value(*case, *bounds, section=self.section, reach=REACH), self)
-
-    def system(self, speed: float, *, rate_time: float = RATE_TIME) -> control.NonlinearIOSystem:
-        """Return the law at a speed as an I/O block: see `Strategy.system`.
-
-        Parameters
-        ----------
-        speed : float
-            Speed c [m/s].
-        rate_time : float, optional
-            Time constant of the rate of the tire force [s], which this law does not measure.
-
-        Returns
-        -------
-        control.NonlinearIOSystem
-
-        Raises
-        ------
-        TypeError, ValueError
-            If `speed` is not above 0 m/s.
-        """
-        return self.for_speed(speed).system(speed, rate_time=rate_time)
+        return _feedback_law(peak_value(*case, *bounds, effect=self.effect, reach=REACH), self)
 
     def command(self, **signals: ArrayLike) -> FloatArray:
         """Evaluate the command at one speed, one of the signals: see `Strategy.command`.
@@ -218,6 +197,7 @@ def bridgehook(
     c_max: float,
     *,
     section: float = 0.5,
+    effect: Effect | str = "moment",
     feedback: bool = True,
     lag: float = 0.0,
 ) -> Bridgehook:
@@ -232,8 +212,8 @@ def bridgehook(
         The bridge that sigma is computed for.
     vehicle : QuarterCar
         The vehicle, with its passive damping.
-    section : float, optional
-        Section of the moment, as a fraction of the span.
+    section, effect : optional
+        What it works against: see `bridgectl.daf`. A moment at mid-span if omitted.
     c_min, c_max : float
         Bounds of the damping [N s/m].
     feedback : bool, optional
@@ -278,7 +258,9 @@ def bridgehook(
     >>> law.command(position=[-70.0, 11.0, 26.0], axle_velocity=0.1, suspension_velocity=-0.1)
     array([ 7000., 30000.,  7000.])
     """
-    return Bridgehook(beam, vehicle, c_min, c_max, section, feedback=feedback, lag=lag)
+    return Bridgehook(
+        beam, vehicle, c_min, c_max, section, effect=effect, feedback=feedback, lag=lag
+    )
 
 
 def _feedback_law(found: PeakValue, owner: Bridgehook) -> Strategy:

@@ -10,11 +10,13 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
-from bridgectl.linear.cells import bridge_entry
 from bridgectl.linear.peaks import find_peaks
-from bridgectl.linear.runs import Stretch, effect_samples, prepare, propagate, state_maps
+from bridgectl.linear.prediction import Prediction, predict
+from bridgectl.linear.runs import Stretch, effect_samples, prepare, propagate
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.effect import Effect
+from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
 
 REACH = 60.0
@@ -37,14 +39,12 @@ class Costate(NamedTuple):
         )
 
 
-def smooth_crossing(
-    crossing: Crossing, reach: float
-) -> tuple[FloatArray, Stretch, list[FloatArray]]:
-    """Nodes [m] from a reach [m] before the bridge, the bridge, and the map over each cell."""
+def smooth_crossing(crossing: Crossing, speed: float, reach: float) -> tuple[Prediction, Stretch]:
+    """Prediction from a reach [m] before the bridge, and the motion on the bridge."""
     run = prepare(crossing, None, -reach)
-    nodes = run.nodes(crossing.speed)
-    stretches = propagate(run, np.array([crossing.speed]), nodes)
-    return nodes, stretches[-1], state_maps(stretches)
+    nodes = run.nodes(speed)
+    stretches = propagate(run, np.array([speed]), nodes)
+    return predict(run, speed, nodes, stretches), stretches[-1]
 
 
 @on_one_thread
@@ -54,14 +54,15 @@ def costate(
     speed: float,
     *,
     section: float = 0.5,
+    effect: Effect | str = "moment",
     reach: float = REACH,
 ) -> Costate:
     """Return how the peak moment depends on the damper force before it.
 
     Parameters
     ----------
-    beam, vehicle, section
-        See `bridgectl.Crossing`.
+    beam, vehicle, section, effect
+        See `bridgectl.daf`.
     speed : float
         Speed c [m/s].
     reach : float, optional
@@ -84,17 +85,18 @@ def costate(
     >>> found.positions[0].round(3), found.positions[-1].round(3)
     (np.float64(-60.0), np.float64(11.7))
     """
-    crossing = Crossing(beam, vehicle, speed, section)
-    judge_crossing(crossing, crossing.speed)
-    nodes, bridge, steps = smooth_crossing(crossing, check.not_negative("reach", reach, unit="m"))
+    crossing, c = make_crossing(beam, vehicle, effect, section), Motion(speed).speed
+    judge_crossing(crossing, c)
+    return costate_of(crossing, c, check.not_negative("reach", reach, unit="m"))
+
+
+def costate_of(crossing: Crossing, speed: float, reach: float) -> Costate:
+    """Return the costate of a crossing: see `costate`."""
+    known, bridge = smooth_crossing(crossing, speed, reach)
     top = find_peaks(effect_samples(crossing, bridge).T)
-    last = bridge_entry(nodes) + int(top.cells[0] + (top.fractions[0] > 0.5))
-    rows, force = crossing.rows(nodes[last]), crossing.damper_matrix[:, 0]
-    line = rows.per_state + rows.per_force @ crossing.tire_rows(float(nodes[last]))
-    sigma = np.empty(last + 1)
-    sigma[last] = line @ force
-    for k, step in reversed([*enumerate(steps[:last])]):
-        n = len(step)  # on the approach the vehicle alone counts
-        line = line[:n] @ step
-        sigma[k] = line @ force[:n]
-    return Costate(nodes[: last + 1], sigma)
+    last = known.entry + int(top.cells[0] + (top.fractions[0] > 0.5))
+    lines = [known.effect_rows[last]]
+    for transition in known.transitions[:last][::-1]:
+        lines.append(lines[-1] @ transition)
+    sigma = np.array(lines[::-1]) @ known.damper_input[:, 0]
+    return Costate(known.positions[: last + 1], sigma)

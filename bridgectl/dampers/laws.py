@@ -14,13 +14,14 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.dampers.switching import DEAD_BAND, damping_for, on_off
+from bridgectl.dampers.switching import DEAD_BAND, documented, nearest, on_off
 
 SH_ADD_CROSSOVER = 2 * np.pi * 0.643
 """Rate [rad/s] where skyhook and ADD are equally good on the paper's truck: its first
 damping-invariant frequency of body acceleration."""
 
 
+@documented
 def passive(damping: float, name: str = "") -> Strategy:
     """Return a constant damper.
 
@@ -31,14 +32,7 @@ def passive(damping: float, name: str = "") -> Strategy:
     name : str, optional
         What tables call it; its damping if omitted.
 
-    Returns
-    -------
-    Strategy
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not what is described above.
+    {strategy}
 
     Examples
     --------
@@ -50,19 +44,11 @@ def passive(damping: float, name: str = "") -> Strategy:
     return Strategy(name or f"passive {c / 1e3:g} kN s/m", lambda s, g: g.c_max + 0 * s.speed, c, c)
 
 
+@documented
 def skyhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy:
     """Return the on-off skyhook: c_max where y_s' v > 0, c_min elsewhere.
 
-    Parameters
-    ----------
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
-    dead_band : float, optional
-        Suspension velocity [m/s] below which the command is c_min.
-
-    Returns
-    -------
-    Strategy
+    {on_off}
 
     References
     ----------
@@ -78,6 +64,7 @@ def skyhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Stra
     return on_off("skyhook", lambda s, g: s.body_velocity, c_min, c_max, dead_band)
 
 
+@documented
 def continuous_skyhook(
     c_min: float, c_max: float, *, gain: float = 30e3, dead_band: float = DEAD_BAND
 ) -> Strategy:
@@ -85,16 +72,12 @@ def continuous_skyhook(
 
     Parameters
     ----------
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
+    {bounds}
     gain : float, optional
         Damping to the sky [N s/m].
-    dead_band : float, optional
-        Suspension velocity [m/s] below which the command is c_min.
+    {dead_band}
 
-    Returns
-    -------
-    Strategy
+    {strategy}
 
     References
     ----------
@@ -107,14 +90,13 @@ def continuous_skyhook(
     ...     body_velocity=[0.1, -0.1], suspension_velocity=[0.2, 0.2])
     array([5000., 1000.])
     """
-
-    def law(s: Any, g: Any) -> Any:
-        return damping_for(g.gain * s.body_velocity, s, g)
-
-    gains = {"gain": (gain, 0.0, 1e6), "dead_band": (dead_band, 0.0, 1.0)}
-    return Strategy("continuous skyhook", law, c_min, c_max, gains)
+    return nearest(
+        "continuous skyhook", lambda s, g: g.gain * s.body_velocity, c_min, c_max, dead_band,
+        {"gain": (gain, 0.0, 1e6)},
+    )  # fmt: skip
 
 
+@documented
 def groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy:
     """Return the inertial on-off groundhook: c_max where -y_t' v > 0, c_min elsewhere.
 
@@ -122,16 +104,7 @@ def groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> S
     inertial meaning of C. A. Pare and M. Ahmadian. Valasek's meaning, the axle against the surface
     that the tire meets, is `tire_groundhook`.
 
-    Parameters
-    ----------
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
-    dead_band : float, optional
-        Suspension velocity [m/s] below which the command is c_min.
-
-    Returns
-    -------
-    Strategy
+    {on_off}
 
     References
     ----------
@@ -146,6 +119,7 @@ def groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> S
     return on_off("groundhook", lambda s, g: -s.axle_velocity, c_min, c_max, dead_band)
 
 
+@documented
 def hybrid(
     c_min: float, c_max: float, *, share: float = 0.5, gain: float = 30e3,
     dead_band: float = DEAD_BAND,
@@ -156,18 +130,14 @@ def hybrid(
 
     Parameters
     ----------
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
+    {bounds}
     share : float, optional
         Fraction of the skyhook in it, 0 to 1; the rest is the groundhook's.
     gain : float, optional
         Damping to sky and ground together [N s/m].
-    dead_band : float, optional
-        Suspension velocity [m/s] below which the command is c_min.
+    {dead_band}
 
-    Returns
-    -------
-    Strategy
+    {strategy}
 
     References
     ----------
@@ -181,31 +151,21 @@ def hybrid(
     array(5000.)
     """
 
-    def law(s: Any, g: Any) -> Any:
+    def force(s: Any, g: Any) -> Any:
         v = s.suspension_velocity
         sky = ca.if_else(s.body_velocity * v > 0, s.body_velocity, 0)
         ground = ca.if_else(-s.axle_velocity * v > 0, -s.axle_velocity, 0)
-        return damping_for(g.gain * (g.share * sky + (1 - g.share) * ground), s, g)
+        return g.gain * (g.share * sky + (1 - g.share) * ground)
 
-    gains = {
-        "share": (share, 0.0, 1.0), "gain": (gain, 0.0, 1e6), "dead_band": (dead_band, 0.0, 1.0)
-    }  # fmt: skip
-    return Strategy("hybrid", law, c_min, c_max, gains)
+    gains = {"share": (share, 0.0, 1.0), "gain": (gain, 0.0, 1e6)}
+    return nearest("hybrid", force, c_min, c_max, dead_band, gains)
 
 
+@documented
 def add(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy:
     """Return acceleration-driven damping: c_max where y_s'' v > 0, c_min elsewhere.
 
-    Parameters
-    ----------
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
-    dead_band : float, optional
-        Suspension velocity [m/s] below which the command is c_min.
-
-    Returns
-    -------
-    Strategy
+    {on_off}
 
     References
     ----------
@@ -220,6 +180,7 @@ def add(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy
     return on_off("ADD", lambda s, g: s.body_acceleration, c_min, c_max, dead_band)
 
 
+@documented
 def sh_add(
     c_min: float, c_max: float, *, crossover: float = SH_ADD_CROSSOVER,
     dead_band: float = DEAD_BAND,
@@ -228,16 +189,12 @@ def sh_add(
 
     Parameters
     ----------
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
+    {bounds}
     crossover : float, optional
         Angular frequency [rad/s] that parts slow body motion, the skyhook's, from fast.
-    dead_band : float, optional
-        Suspension velocity [m/s] below which the command is c_min.
+    {dead_band}
 
-    Returns
-    -------
-    Strategy
+    {strategy}
 
     References
     ----------
@@ -259,6 +216,7 @@ def sh_add(
     return on_off("SH-ADD", driver, c_min, c_max, dead_band, gains)
 
 
+@documented
 def pdd(c_min: float, c_max: float, *, stiffness: float, dead_band: float = DEAD_BAND) -> Strategy:
     """Return power-driven damping: keep spring and damper together from driving the body.
 
@@ -267,16 +225,12 @@ def pdd(c_min: float, c_max: float, *, stiffness: float, dead_band: float = DEAD
 
     Parameters
     ----------
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
+    {bounds}
     stiffness : float
         Stiffness of the suspension K_s [N/m].
-    dead_band : float, optional
-        Suspension velocity [m/s] below which the command is c_min.
+    {dead_band}
 
-    Returns
-    -------
-    Strategy
+    {strategy}
 
     References
     ----------
@@ -289,12 +243,7 @@ def pdd(c_min: float, c_max: float, *, stiffness: float, dead_band: float = DEAD
     >>> law.command(suspension_travel=[0.01, -0.01, -0.1], suspension_velocity=[0.1, 0.1, 0.1])
     array([ 1000.,  8000., 30000.])
     """
-
-    def law(s: Any, g: Any) -> Any:
-        # Within [c_min, c_max] this is all three cases.
-        return damping_for(-g.stiffness * s.suspension_travel, s, g)
-
-    gains = {
-        "stiffness": (stiffness, 0.0, 1e9), "dead_band": (dead_band, 0.0, 1.0)
-    }  # fmt: skip
-    return Strategy("PDD", law, c_min, c_max, gains)
+    return nearest(  # within [c_min, c_max] the damping for this force is all three cases
+        "PDD", lambda s, g: -g.stiffness * s.suspension_travel, c_min, c_max, dead_band,
+        {"stiffness": (stiffness, 0.0, 1e9)},
+    )  # fmt: skip

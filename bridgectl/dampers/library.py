@@ -2,28 +2,14 @@
 
 from __future__ import annotations
 
+from bridgectl.dampers import laws
 from bridgectl.dampers.bridgehook import bridgehook
-from bridgectl.dampers.laws import (
-    add,
-    continuous_skyhook,
-    groundhook,
-    hybrid,
-    passive,
-    pdd,
-    sh_add,
-    skyhook,
-)
 from bridgectl.dampers.lqr import clipped_lqr
 from bridgectl.dampers.preset import preset
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.dampers.tire_laws import (
-    extended_groundhook,
-    quarter_car,
-    selective_groundhook,
-    tire_groundhook,
-)
+from bridgectl.dampers.tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 
 
 def library(
@@ -73,23 +59,23 @@ def library(
     clipped LQR
     bridgehook
     """
-    if quarter_car(vehicle).damping == 0:
+    if require_quarter_car(vehicle).damping == 0:
         raise ValueError(
             "vehicle must have a damping above 0 [N s/m], which strategies are compared with"
         )
     return [
-        passive(vehicle.damping),
+        laws.passive(vehicle.damping),
         preset(c_min, c_max),
-        skyhook(c_min, c_max),
-        continuous_skyhook(c_min, c_max),
-        groundhook(c_min, c_max),
+        laws.skyhook(c_min, c_max),
+        laws.continuous_skyhook(c_min, c_max),
+        laws.groundhook(c_min, c_max),
         tire_groundhook(c_min, c_max),
         extended_groundhook(c_min, c_max, vehicle=vehicle),
         selective_groundhook(c_min, c_max, vehicle=vehicle),
-        hybrid(c_min, c_max),
-        add(c_min, c_max),
-        sh_add(c_min, c_max),
-        pdd(c_min, c_max, stiffness=vehicle.suspension_stiffness),
+        laws.hybrid(c_min, c_max),
+        laws.add(c_min, c_max),
+        laws.sh_add(c_min, c_max),
+        laws.pdd(c_min, c_max, stiffness=vehicle.suspension_stiffness),
         clipped_lqr(vehicle, c_min, c_max),
         bridgehook(beam, vehicle, c_min, c_max, section=section),
     ]

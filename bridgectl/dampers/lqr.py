@@ -25,7 +25,7 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.passive_theory import comfort_damping, road_damping, variances
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.dampers.switching import DEAD_BAND, damping_for
+from bridgectl.dampers.switching import DEAD_BAND, documented, nearest
 from bridgectl.dampers.tire_laws import deflection_of_tire, tire_gains
 from bridgectl.model.quarter_car import QuarterCar
 
@@ -62,6 +62,7 @@ class Regulator(NamedTuple):
         return unit * np.asarray(gain, dtype=np.float64)[0]
 
 
+@documented
 def clipped_lqr(
     vehicle: QuarterCar,
     c_min: float,
@@ -82,16 +83,14 @@ def clipped_lqr(
     ----------
     vehicle : QuarterCar
         Its own damping does not matter.
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
+    {bounds}
     body_acceleration : float, optional
         q_1, dimensionless: the other weights are relative to it.
     suspension_travel, tire_deflection : float, optional
         q_2 and q_3 [1/s^4], above 0. Default: see the notes.
     damper_force : float, optional
         rho [m^2/(s^4 N^2)]. A damper needs no power for its force, so 0.
-    dead_band : float, optional
-        Suspension velocity [m/s] below which the command is c_min.
+    {dead_band}
 
     Returns
     -------
@@ -137,9 +136,8 @@ def clipped_lqr(
     gains = {
         **{name: (float(k), -1e8, 1e8) for name, k in zip(FEEDBACK, feedback, strict=True)},
         **of_tire,
-        "dead_band": (dead_band, 0.0, 1.0),
     }
-    return Strategy("clipped LQR", _law, c_min, c_max, gains)
+    return nearest("clipped LQR", _force, c_min, c_max, dead_band, gains)
 
 
 def regulator(
@@ -149,15 +147,7 @@ def regulator(
     tire_deflection: float | None = None,
     damper_force: float = 0.0,
 ) -> Regulator:
-    """Return the linear-quadratic problem of `clipped_lqr`, for the same arguments.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.dampers.lqr import regulator
-    >>> (regulator(bc.li2006.car()).feedback() / 1e3).round(1)
-    array([  12.3,  -35.9,  103.7,   14.9])
-    """
+    """Return the linear-quadratic problem of `clipped_lqr`, for the same arguments."""
     q1 = check.not_negative("body_acceleration", body_acceleration)
     rho = check.not_negative("damper_force", damper_force, unit="m^2/(s^4 N^2)")
     if q1 == rho == 0:
@@ -198,13 +188,6 @@ def equal_weights(vehicle: QuarterCar) -> tuple[float, float]:
     """Return q_2 and q_3 [1/s^4] that make d and e count as much as y_s''.
 
     They are ratios of variances of the passive vehicle, in which speed and roughness cancel.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.dampers.lqr import equal_weights
-    >>> [round(weight) for weight in equal_weights(bc.li2006.car())]
-    [566, 5259]
     """
     middle = np.sqrt(comfort_damping(vehicle) * road_damping(vehicle))
     found = variances(vehicle, "A", 25.0, middle)
@@ -214,11 +197,10 @@ def equal_weights(vehicle: QuarterCar) -> tuple[float, float]:
     )
 
 
-def _law(s: Any, g: Any) -> Any:
-    force = -(
+def _force(s: Any, g: Any) -> Any:
+    return -(
         g.travel_gain * s.suspension_travel
         + g.body_gain * s.body_velocity
         + g.deflection_gain * deflection_of_tire(s, g)
         + g.axle_gain * s.axle_velocity
     )
-    return damping_for(force, s, g)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 from bridgectl.road.psd import REFERENCE
 from bridgectl.road.spectrum import requested_roughness
 
@@ -62,38 +62,10 @@ class InvariantFrequencies(NamedTuple):
 def white_velocity(
     roughness: str | float, speed: ArrayLike, *, level: str = "mean"
 ) -> float | FloatArray:
-    """Return the intensity W [m^2/s] of the road's velocity under a moving tire.
+    """Return the intensity W [m^2/s] of the road's velocity u' under a tire at `speed` [m/s].
 
-    ``W = (2 pi n_0)^2 G_d(n_0) V / 2``, with n_0 = 0.1 cycles/m: the velocity u' of a road of
-    waviness 2 has the covariance W delta(t). The half is there because G_d is one-sided.
-
-    Parameters
-    ----------
-    roughness : {"A", ..., "H"} or float
-        The ISO class, or G_d(n_0) [m^3].
-    speed : float or array_like
-        Speeds V [m/s].
-    level : {"mean", "lower", "upper"}
-        Which roughness of a class: its geometric mean or one of its limits.
-
-    Returns
-    -------
-    float or ndarray of the shape of `speed`
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not what is described above.
-
-    References
-    ----------
-    ISO 8608:2016, Annex C; the same noise as in `bridgectl.road.shaping_filter`.
-
-    Examples
-    --------
-    >>> from bridgectl.dampers.passive_theory import white_velocity
-    >>> print(f"{white_velocity('A', 25.0):.3g} m^2/s")
-    7.9e-05 m^2/s
+    ``W = (2 pi n_0)^2 G_d(n_0) V / 2``: u' has the covariance W delta(t). The half is there because
+    G_d is one-sided. ISO 8608:2016, Annex C; the same noise as in `bridgectl.road.shaping_filter`.
     """
     density = requested_roughness(roughness, level)
     return (2 * np.pi * REFERENCE) ** 2 * density / 2 * _above_zero("speed", speed, "m/s")
@@ -116,46 +88,10 @@ def variances(
         E[(R - W_0)^2]    = W (c^2 K_t M^2 + N) / (2 c m_s^2)
         N = K_s^2 M^3 - 2 K_s K_t m_s m_t M + K_t^2 m_s^2 m_t
 
-    and the tire's deflection is (R - W_0) / K_t, W_0 the static load. They are those of the
-    whole spectrum: a road without its longest or shortest waves gives a little less.
-
-    Parameters
-    ----------
-    car : QuarterCar
-    roughness, level
-        As `white_velocity`.
-    speed : float or array_like
-        Speeds V [m/s].
-    damping : float or array_like, optional
-        Damping coefficients c [N s/m] instead of the car's own; broadcast with `speed`.
-
-    Returns
-    -------
-    Variances
-        Numbers, or arrays of the shape that `speed` and `damping` have together.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not what is described above; a damping of 0 has no stationary state.
-
-    References
-    ----------
-    For such closed forms: S. Turkay, H. Akcay, J. Sound Vib. 282 (2005) 111-124. Derived
-    anew here.
-
-    Examples
-    --------
-    The dynamic load coefficient of the paper's truck on a class A road at 25 m/s, as it is and
-    with the fixed damping that is best for the road:
-
-    >>> import numpy as np
-    >>> import bridgectl as bc
-    >>> from bridgectl.dampers.passive_theory import road_damping, variances
-    >>> truck = bc.li2006.car()
-    >>> found = variances(truck, "A", 25.0, [truck.damping, road_damping(truck)])
-    >>> (np.sqrt(found.tire_force) / truck.linear.static_loads).round(4)
-    array([0.0427, 0.0259])
+    and the tire's deflection is (R - W_0) / K_t, W_0 the static load. They are those of the whole
+    spectrum: a road without its longest or shortest waves gives a little less. A `damping` c [N
+    s/m] other than the car's own is broadcast with `speed` [m/s]. For such closed forms: S. Turkay,
+    H. Akcay, J. Sound Vib. 282 (2005) 111-124; derived anew here.
     """
     body, stiffness, tire = _car(car).sprung_mass, car.suspension_stiffness, car.tire_stiffness
     mass = body + car.unsprung_mass
@@ -311,12 +247,7 @@ def _residual(car: QuarterCar) -> float:
 
 
 def _car(car: QuarterCar) -> QuarterCar:
-    if not isinstance(car, QuarterCar):
-        raise TypeError(
-            f"car must be a QuarterCar, as bc.li2006.car(), for the closed forms hold for it "
-            f"alone; got {type(car).__name__}"
-        )
-    return car
+    return require_quarter_car(car, "the closed forms hold for it alone", "car")
 
 
 def _damping(car: QuarterCar, damping: ArrayLike | None) -> FloatArray:

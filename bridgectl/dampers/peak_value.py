@@ -28,7 +28,6 @@ to rise as to fall, so that the expected road ahead is level: that is all of it 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -41,12 +40,15 @@ from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
 from bridgectl.dampers.actuator import bare_vehicle
 from bridgectl.dampers.costate import REACH, smooth_crossing
-from bridgectl.dampers.loop.steps import AXLE, BODY, SUSPENSION
+from bridgectl.dampers.loop.steps import AXLE, BODY
 from bridgectl.dampers.strategy import damping_bounds
-from bridgectl.linear.cells import SAMPLES, bridge_entry
-from bridgectl.linear.runs import Stretch, effect_samples
+from bridgectl.linear.cells import SAMPLES
+from bridgectl.linear.prediction import Prediction
+from bridgectl.linear.runs import effect_samples
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.effect import Effect
+from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
 
 SHARPNESS = 10.0
@@ -99,6 +101,7 @@ def peak_value(
     c_max: float,
     *,
     section: float = 0.5,
+    effect: Effect | str = "moment",
     reach: float = REACH,
     sharpness: float = SHARPNESS,
     yield_speed: float = YIELD_SPEED,
@@ -107,8 +110,8 @@ def peak_value(
 
     Parameters
     ----------
-    beam, vehicle, section
-        See `bridgectl.Crossing`.
+    beam, vehicle, section, effect
+        See `bridgectl.daf`.
     speed : float
         Speed c [m/s].
     c_min, c_max : float
@@ -139,21 +142,21 @@ def peak_value(
     beta = check.positive("sharpness", sharpness)
     curvature = (stiff - soft) / 2 / check.positive("yield_speed", yield_speed, unit="m/s")
     car = replace(bare_vehicle(vehicle), damping=(soft + stiff) / 2)
-    crossing = Crossing(beam, car, speed, section)
-    judge_crossing(crossing, crossing.speed)
-    nodes, bridge, steps = smooth_crossing(crossing, check.not_negative("reach", reach, unit="m"))
-    entry = bridge_entry(nodes)
-    to_states = _expected(crossing, steps[entry:], nodes[entry:])
-    sweep = _Backward(crossing, bridge, beta, curvature)
-    durations = np.gradient(nodes) / crossing.speed
+    crossing, c = make_crossing(beam, car, effect, section), Motion(speed).speed
+    judge_crossing(crossing, c)
+    before = check.not_negative("reach", reach, unit="m")
+    known, bridge = smooth_crossing(crossing, c, before)
+    nodes, entry = known.positions, known.entry
+    to_states = _expected(crossing, known.transitions[entry:], known.durations[entry:])
+    moments = effect_samples(crossing, bridge)[0, :: len(SAMPLES)]
+    sweep = _Backward(known, moments, beta, curvature)
+    durations = np.gradient(nodes) / c
     constant, gains = np.zeros(len(nodes)), np.zeros((len(nodes), 2))
     for k in range(len(nodes) - 1, -1, -1):
-        sweep.step_back(steps[k] if k < len(steps) else None, k - entry, durations[k])
-        constant[k], per_state = sweep.worth(k - entry)
-        gains[k] = per_state @ to_states[max(k - entry, 0)][: per_state.size]
-    smooth = np.zeros((len(nodes), 2))
-    smooth[entry:] = bridge.states[0][:, MEASURED]
-    constant -= (gains * smooth).sum(axis=1)
+        sweep.step_back(k, durations[k])
+        constant[k], per_state = sweep.worth(k)
+        gains[k] = per_state @ to_states[max(k - entry, 0)]
+    constant[entry:] -= (gains[entry:] * bridge.states[0][:, MEASURED]).sum(axis=1)
     return PeakValue(nodes, constant, *gains.T)
 
 
@@ -161,48 +164,39 @@ class _Backward:
     """Backward sweep: rows of the moments ahead, and what the damper will yet take off."""
 
     def __init__(
-        self, crossing: Crossing, bridge: Stretch, sharpness: float, curvature: float
+        self, known: Prediction, moments: FloatArray, sharpness: float, curvature: float
     ) -> None:
-        nodes, n = bridge.cells.nodes, crossing.n_states
-        moments = effect_samples(crossing, bridge)[0, :: len(SAMPLES)]
+        self.known, self.force = known, known.damper_input[:, 0]
         below = np.maximum(sharpness * (moments - moments.max()), LEAST)
-        self.weights = np.gradient(nodes) * np.exp(below)
-        rows = crossing.rows(nodes)
-        tires = np.array([crossing.tire_rows(x)[0] for x in nodes])
-        self.rows = rows.per_state + rows.per_force * tires
-        self.ahead, self.yet = np.zeros((len(nodes), n)), np.zeros((n, n))
-        self.force = crossing.damper_matrix[:, 0]
-        self.velocity = np.zeros(n)
-        self.velocity[: crossing.n_vehicle] = SUSPENSION
+        self.weights = np.gradient(known.positions[known.entry :]) * np.exp(below)
+        self.ahead = np.zeros_like(known.effect_rows[known.entry :])
+        self.yet = np.zeros_like(known.transitions[0])
+        self.square = np.outer(known.velocity_rows[0], known.velocity_rows[0])
         self.sharpness, self.curvature = sharpness, curvature
 
-    def step_back(self, step: FloatArray | None, k: int, duration: float) -> None:
-        """Go back by the transition of a cell to node k, which is below 0 on the approach."""
-        if step is not None:
-            n = len(step)  # on the approach the vehicle alone counts
-            self.ahead = self.ahead[:, :n] @ step
-            self.yet = step.T @ self.yet[:n, :n] @ step
-        if k >= 0:
-            self.ahead[k] = self.rows[k]
-        n = len(self.yet)
-        mean = np.abs(self._sigma() @ self.weights)
-        self.yet += mean * duration * np.outer(self.velocity[:n], self.velocity[:n])
+    def step_back(self, k: int, duration: float) -> None:
+        """Go back to node k, by the transition of a cell unless it is the last."""
+        if k < len(self.known.transitions):
+            step = self.known.transitions[k]
+            self.ahead = self.ahead @ step
+            self.yet = step.T @ self.yet @ step
+        if k >= self.known.entry:
+            self.ahead[k - self.known.entry] = self.known.effect_rows[k]
+        mean = np.abs(self.ahead @ self.force @ self.weights)
+        self.yet += mean * duration * self.square
 
     def worth(self, k: int) -> tuple[float, FloatArray]:
         """s, and the row of dV / dF on the deviation of the states."""
-        sigma, weights = self._sigma(), self.weights[max(k, 0) :]
-        total, ahead = weights.sum(), self.ahead[max(k, 0) :]
-        sigma = sigma[max(k, 0) :]
+        later = slice(max(k - self.known.entry, 0), None)
+        ahead, weights = self.ahead[later], self.weights[later]
+        sigma, total = ahead @ self.force, weights.sum()
         mean = weights @ sigma / total
         spread = (weights * (sigma - mean)) @ ahead / total
-        own = self.force[: len(self.yet)] @ self.yet / total
+        own = self.force @ self.yet / total
         return float(mean), self.sharpness * spread - self.curvature * own
 
-    def _sigma(self) -> FloatArray:
-        return self.ahead @ self.force[: self.ahead.shape[1]]
 
-
-def _expected(crossing: Crossing, steps: Sequence[FloatArray], nodes: FloatArray) -> FloatArray:
+def _expected(crossing: Crossing, steps: FloatArray, durations: FloatArray) -> FloatArray:
     """E[dz | m] per measured velocity, at the nodes on the bridge, (C + 1, n, 2)."""
     vehicle, n = crossing.linear, crossing.n_vehicle
     slope = np.zeros(crossing.n_states)
@@ -211,10 +205,10 @@ def _expected(crossing: Crossing, steps: Sequence[FloatArray], nodes: FloatArray
     covariance = np.zeros_like(noise)
     covariance[:n, :n] = solve_continuous_lyapunov(vehicle.state_matrix_on_tires(), -noise[:n, :n])
     gains = []
-    for k in range(len(nodes)):
+    for k in range(len(steps) + 1):
         known = covariance[:, MEASURED]
         gains.append(known @ np.linalg.inv(known[MEASURED]))
         if k < len(steps):
-            half = noise * (nodes[k + 1] - nodes[k]) / crossing.speed / 2
+            half = noise * durations[k] / 2
             covariance = steps[k] @ (covariance + half) @ steps[k].T + half
     return np.array(gains)

@@ -51,7 +51,7 @@ class Preset(Strategy):
         with warnings.catch_warnings():  # of the one that is taken its crossing tells
             warnings.simplefilter("ignore", LiftOffWarning)
             dafs = [_dafs(crossing, car, speeds, stations, elevations) for car in cars]
-        best = np.argmin(dafs, axis=0)
+        best = np.argmin(crossing.orientation * np.array(dafs), axis=0)
         return {"damping": self.dampings[best].T}
 
 

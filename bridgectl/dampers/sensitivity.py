@@ -45,8 +45,10 @@ from bridgectl.dampers.loop.work import require_loop
 from bridgectl.dampers.program import program
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.road.elevations import drops_of
 
 N_POINTS = len(POINTS)
 
@@ -75,17 +77,9 @@ class Sensitivity(NamedTuple):
 
 @on_one_thread
 def program_sensitivity(
-    beam: BridgeModel,
-    vehicle: QuarterCar,
-    speed: float,
-    positions: ArrayLike,
-    dampings: ArrayLike,
-    stations: ArrayLike,
-    elevations: ArrayLike,
-    *,
-    section: float = 0.5,
-    recovery: str = "exact",
-) -> Sensitivity:
+    beam: BridgeModel, vehicle: QuarterCar, speed: float, positions: ArrayLike, dampings: ArrayLike,
+    stations: ArrayLike, elevations: ArrayLike, *, section: float = 0.5, recovery: str = "exact",
+) -> Sensitivity:  # fmt: skip
     """Return the DAF of roads with a damping program, and its gradient.
 
     The damper is one of the default kind: see `Damper`.
@@ -134,13 +128,14 @@ def program_sensitivity(
     array([[ 0.0002,  0.0002,  0.0012, -0.0002]])
     """
     law = program(positions, dampings, shape="lines")
-    crossing = Crossing(beam, bare_vehicle(vehicle), speed, section, recovery)
+    crossing = make_crossing(beam, bare_vehicle(vehicle), "moment", section, recovery)
     x, z = checked_roads(beam, stations, elevations)
-    judge_crossing(crossing, crossing.speed)
-    require_loop(crossing, [Damper(law)], np.array([crossing.speed]), x, len(z))
-    steps, sampled = _steps(crossing, Damper(law), x)
+    speeds = np.array([Motion(speed).speed])
+    judge_crossing(crossing, speeds[0])
+    require_loop(crossing, [Damper(law)], speeds, x, len(z))
+    steps, sampled = _steps(crossing, Damper(law), speeds, x)
     maps = _maps(crossing, steps, law.command(position=sampled))
-    drops = np.ascontiguousarray((z[:, :1] - z).T)
+    drops = drops_of(z)
     dafs, at_steps = [], []
     for first in range(0, len(z), ROADS_AT_ONCE):
         rates, moments = _forward(maps, drops[:, first : first + ROADS_AT_ONCE], crossing)
@@ -152,9 +147,11 @@ def program_sensitivity(
     return Sensitivity(np.concatenate(dafs), np.concatenate(at_steps) @ shares.T)
 
 
-def _steps(crossing: Crossing, damper: Damper, stations: FloatArray) -> tuple[Steps, FloatArray]:
+def _steps(
+    crossing: Crossing, damper: Damper, speeds: FloatArray, stations: FloatArray
+) -> tuple[Steps, FloatArray]:
     """The closed loop's steps of one speed, and where the damping of each was sampled [m]."""
-    speeds, dt = np.array([crossing.speed]), damper.sample_time
+    dt = damper.sample_time
     longest = min(longest_step(crossing, damper.strategy.c_max, crossing.beam.n_modes), dt)
     parts = times_within(dt, longest, damper.lag)
     edges = make_plan(crossing, speeds, stations, dt, parts).edges

@@ -12,7 +12,6 @@ from copy import copy
 from pathlib import Path
 from typing import Any
 
-import casadi as ca
 import control
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,8 +20,15 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.block import RATE_TIME, law_block
 from bridgectl.dampers.c_code import write_c
-from bridgectl.dampers.expression import law_function, warn_of_slips
-from bridgectl.dampers.gains import checked_gain, checked_gains
+from bridgectl.dampers.expression import SAMPLE_TIME, at_sample, damping_function, depends
+from bridgectl.dampers.gains import (
+    cases,
+    changed_gains,
+    checked_gains,
+    checked_name,
+    checked_preview,
+    checked_states,
+)
 from bridgectl.model.crossing import Crossing
 
 SIGNALS = (
@@ -51,8 +57,7 @@ Law = Callable[[Any, Any], Any]
 class Strategy:
     """A damper strategy.
 
-    Write your own in five lines: a function of named signals and named gains, in CasADi
-    operations.
+    Write your own in five lines: a function of named signals and gains, in CasADi operations.
 
     Parameters
     ----------
@@ -60,21 +65,31 @@ class Strategy:
         What tables call it.
     law : callable
         ``law(s, g)`` returns the command c [N s/m]. ``s`` has the signals of
-        `bridgectl.dampers.SIGNALS` as attributes, ``g`` the gains, and ``c_min``, ``c_max``. What
-        it returns is kept within [c_min, c_max]; NaN and infinity are errors when they occur. It
-        is called once, with CasADi expressions: see the errors for what Python does not do to them.
+        `bridgectl.dampers.SIGNALS` as attributes, and what `states` and `preview` add; ``g`` the
+        gains, and ``c_min``, ``c_max``. What it returns is kept within [c_min, c_max]; NaN and
+        infinity are errors when they occur. It is called once, with CasADi expressions: see the
+        errors for what Python does not do to them.
     c_min, c_max : float
         Bounds of the damping [N s/m].
     gains : mapping, optional
         Value, least and largest value of each gain by name, as ``{"share": (0.5, 0.0, 1.0)}``.
+    states : mapping, optional
+        Initial values of states, as of a filter, by name: attributes of ``s``, beside
+        ``s.sample_time`` [s]. Their order is that of C: see `to_c`.
+    update : callable, optional
+        ``update(s, g)`` returns every state's next value by name. At each sample the law comes
+        first: both have the states as the last sample left them.
+    preview : array_like, shape (n,), optional
+        Distances ahead of the tire [m], rising: ``s.ahead[0]``, ... are the road's elevations there
+        less that under the tire [m], positive up. Beyond its end the road is level.
 
     Raises
     ------
     TypeError, ValueError
-        If a bound, a gain or the law is not what is described above: bounds reversed, a gain
-        outside its bounds, a signal or gain that the law names and that is unknown, a law that
-        takes its signals for numbers (by `if`, `and`, `max`, `math.sqrt`, `float`, ...), that fails
-        or that does not return one number or expression.
+        If an argument is not what is described above: bounds reversed, a gain outside its bounds,
+        a signal or gain that the law names and that is unknown, a law that takes its signals for
+        numbers (by `if`, `and`, `max`, `math.sqrt`, `float`, ...), that fails or that does not
+        return one number or expression; and so for `update`.
 
     Warns
     -----
@@ -95,6 +110,15 @@ class Strategy:
     Strategy('lifting', c from 1000 to 30000 N s/m)
     >>> lifting.command(body_velocity=[-0.1, 0.1])
     array([30000.,  1000.])
+
+    The same on a velocity without what is faster than 20 rad/s:
+
+    >>> smooth = Strategy(
+    ...     "smooth", lambda s, g: ca.if_else(s.low < 0, g.c_max, g.c_min), 1e3, 30e3,
+    ...     states={"low": 0.0}, update=lambda s, g: {
+    ...         "low": s.low + (1 - ca.exp(-20 * s.sample_time)) * (s.body_velocity - s.low)})
+    >>> smooth.command(body_velocity=0.1, low=-0.05)
+    array(30000.)
     """
 
     def __init__(
@@ -104,22 +128,28 @@ class Strategy:
         c_min: float,
         c_max: float,
         gains: Mapping[str, tuple[float, float, float]] | None = None,
+        states: Mapping[str, float] | None = None,
+        update: Callable[[Any, Any], Mapping[str, Any]] | None = None,
+        preview: ArrayLike = (),
     ) -> None:
-        if not callable(law):
-            raise TypeError(f"law must be a function law(s, g), got {type(law).__name__}")
-        self.name, self.law = _name(name), law
+        self.name, self.law, self.update = checked_name(name), law, update
         self.c_min, self.c_max = damping_bounds(c_min, c_max)
         self.bounds = checked_gains({} if gains is None else gains)
         self.gains = {key: value[0] for key, value in self.bounds.items()}
-        limits = {"c_min": self.c_min, "c_max": self.c_max}
-        free = law_function(self.name, law, SIGNALS, [*self.gains], **limits)
-        warn_of_slips(self.name, free, SIGNALS, np.array([*self.gains.values()]), **limits)
-        # Of signals and gains, columns in their orders; name, law, bounds and this belong together.
-        self.function = _within(free, self.c_min, self.c_max)
+        taken = *SIGNALS, *self.gains, "c_min", "c_max", "sample_time", "ahead"
+        self.states = checked_states({} if states is None else states, update, taken)
+        self.preview = checked_preview(preview)
+        # Of `INPUTS` and to `OUTPUTS`; name, law, bounds and this belong together.
+        self.function = damping_function(
+            self.name, law, update, SIGNALS, self.gains, self.states, len(self.preview),
+            c_min=self.c_min, c_max=self.c_max,
+        )  # fmt: skip
 
     def __repr__(self) -> str:
-        gains = "".join(f", {key}={value:g}" for key, value in self.gains.items())
-        return f"Strategy({self.name!r}, c from {self.c_min:g} to {self.c_max:g} N s/m{gains})"
+        told = "".join(f", {key}={value:g}" for key, value in self.gains.items())
+        told += f", states={self.states}" * bool(self.states)
+        told += f", preview={self.preview} m" * bool(self.preview)
+        return f"Strategy({self.name!r}, c from {self.c_min:g} to {self.c_max:g} N s/m{told})"
 
     def renamed(self, name: str) -> Strategy:
         """Return the strategy under another name.
@@ -139,7 +169,7 @@ class Strategy:
             If it is not a string, or empty.
         """
         other = copy(self)
-        other.name = _name(name)
+        other.name = checked_name(name)
         return other
 
     def with_gains(self, **values: float) -> Strategy:
@@ -159,14 +189,8 @@ class Strategy:
         ValueError
             If a gain is unknown or outside its bounds.
         """
-        if unknown := set(values) - set(self.bounds):
-            known = ", ".join(self.bounds) or "none"
-            raise ValueError(f"{self.name} has no gain {sorted(unknown)[0]!r}, its gains: {known}")
         changed = copy(self)
-        changed.bounds = {
-            key: checked_gain(key, (values.get(key, value), low, high))
-            for key, (value, low, high) in self.bounds.items()
-        }
+        changed.bounds = changed_gains(self.name, self.bounds, values)
         changed.gains = {key: value[0] for key, value in changed.bounds.items()}
         return changed
 
@@ -215,7 +239,8 @@ class Strategy:
         ----------
         signals : array_like
             Signals by name, of shapes that broadcast: see `bridgectl.dampers.SIGNALS` for units.
-            Others are 0.
+            Others are 0. By name come states, too, else their initial values; `ahead` [m], whose
+            last axis is the distances of `preview`, else 0; and `sample_time` [s], else 2 ms.
 
         Returns
         -------
@@ -227,31 +252,11 @@ class Strategy:
         TypeError, ValueError
             If a signal is unknown or not finite numbers, or the law returns NaN or infinity.
         """
-        if unknown := set(signals) - set(SIGNALS):
-            raise ValueError(f"unknown signal {sorted(unknown)[0]!r}, known: {', '.join(SIGNALS)}")
-        arrays = {name: self._measured(name, value) for name, value in signals.items()}
-        try:
-            given: Any = np.broadcast_arrays(*arrays.values())
-        except ValueError:
-            shapes = ", ".join(f"{name} {value.shape}" for name, value in arrays.items())
-            raise ValueError(f"signals must have shapes that broadcast, got {shapes}") from None
-        shape = given[0].shape if arrays else ()
-        rows = np.zeros((len(SIGNALS), int(np.prod(shape))))
-        for name, values in zip(signals, given, strict=True):
-            rows[SIGNALS.index(name)] = values.ravel()
-        return self.evaluate(rows).reshape(shape)
+        return self._commanded(signals)
 
-    def _measured(self, name: str, value: ArrayLike) -> FloatArray:
-        try:
-            shape = np.shape(value)
-        except ValueError:  # rows of different lengths, which the check tells of
-            shape = ()
-        try:
-            return check.array(name, value, shape)
-        except ValueError as error:
-            raise ValueError(f"{error}: from that {self.name} returned NaN") from None
-
-    def evaluate(self, rows: FloatArray, gains: FloatArray | None = None) -> FloatArray:
+    def evaluate(
+        self, rows: FloatArray, gains: FloatArray | None = None, **others: ArrayLike
+    ) -> FloatArray:
         """Evaluate the command by CasADi, case by case.
 
         Parameters
@@ -260,6 +265,8 @@ class Strategy:
             The signals of each case: see `bridgectl.dampers.SIGNALS` for order and units.
         gains : ndarray, shape (n_gains, count), optional
             The gains of each case, as `with_gains` takes them; the strategy's own if omitted.
+        others : array_like
+            States, `ahead` and `sample_time`: see `command`.
 
         Returns
         -------
@@ -272,16 +279,24 @@ class Strategy:
             If an argument is not what is described above, or the law returns NaN or infinity.
         """
         signals = check.array("rows", rows, (len(SIGNALS), None))
-        own = [[value] for value in self.gains.values()]
-        count = signals.shape[1]
-        if count == 0:
-            return np.zeros(0)
-        shape = len(own), count
-        each = np.tile(own, count) if gains is None else check.array("gains", gains, shape)
-        command: Any = self.function.map(count)(signals, each)
-        return numbers(self.name, command.full().ravel())
+        return self._commanded({**dict(zip(SIGNALS, signals, strict=True)), **others}, gains)
 
-    def system(self, speed: float, *, rate_time: float = RATE_TIME) -> control.NonlinearIOSystem:
+    def _commanded(
+        self, given: Mapping[str, ArrayLike], gains: FloatArray | None = None
+    ) -> FloatArray:
+        known = dict.fromkeys(SIGNALS, 0.0) | self.states
+        shape, time, rows = cases(self.name, known, len(self.preview), given)
+        own, count = np.reshape([*self.gains.values()], (-1, 1)), rows.shape[1]
+        each = own if gains is None else check.array("gains", gains, (len(own), count))
+        if count == 0:
+            return np.zeros(shape)
+        signals, states, seen = np.split(rows, np.cumsum([len(SIGNALS), len(self.states)]))
+        columns = signals, each, states, [[time]], seen
+        return at_sample(self.name, self.function, *columns)[0].reshape(shape)
+
+    def system(
+        self, speed: float, *, rate_time: float = RATE_TIME, sample_time: float = SAMPLE_TIME
+    ) -> control.NonlinearIOSystem:
         """Return the strategy as an I/O block for `control.interconnect` with a crossing.
 
         Parameters
@@ -292,19 +307,23 @@ class Strategy:
             Time constant T [s] of the rate of the tire force, if the law measures it: (R - L) / T,
             where L' is that rate. The state L, 'lagged_tire_force' [N], starts best at the static
             load.
+        sample_time : float, optional
+            Time T [s] in which a state x of the law moves to its next value x+: x' = (x+ - x) / T,
+            for a short one as the sampled state does. `X0` tells where it starts.
 
         Returns
         -------
         control.NonlinearIOSystem
             Inputs as the crossing's outputs ('y_s_dot', 'suspension_velocity', ..., 'tire_force' if
-            the law measures it or its rate), outputs 'damper_force' [N] and 'damping' [N s/m],
-            evaluated without delay. The crossing's own vehicle must have damping 0. The block is
-            called as the strategy is, with '_' for '.', which no system may have in its name.
+            the law measures it or its rate), and 'ahead_1', ... [m] as `preview` has them; outputs
+            'damper_force' [N] and 'damping' [N s/m], evaluated without delay. The crossing's own
+            vehicle must have damping 0. The block is called as the strategy is, with '_' for '.',
+            which no system may have in its name.
 
         Raises
         ------
         TypeError, ValueError
-            If `speed` is not above 0 m/s or `rate_time` not above 0 s, or the law measures an
+            If `speed` is not above 0 m/s or a time not above 0 s, or the law measures an
             acceleration, which the damper force changes at once: that needs a sample time, as
             `simulate_loop` has it.
 
@@ -324,20 +343,20 @@ class Strategy:
         >>> loop.nstates
         10
         """
-        return law_block(self, SIGNALS, speed, rate_time)
+        return law_block(self.for_speed(speed), SIGNALS, speed, rate_time, sample_time)
 
     @property
     def used(self) -> list[str]:
-        """Signals that the command depends on, with the gains as they are."""
-        signals = ca.SX.sym("s", len(SIGNALS))
-        command = self.function(signals, ca.DM([*self.gains.values()]))
-        depends = ca.which_depends(command, signals, 1, False)
-        return [name for name, matters in zip(SIGNALS, depends, strict=True) if matters]
+        """Signals that the command, or a state, depends on, with the gains as they are."""
+        return depends(self.function, SIGNALS, [*self.gains.values()])
 
     def to_c(self, path: str | Path) -> Path:
         """Write the law as a C file with the function ``damping(signals, gains) -> c``.
 
-        What is no finite number the function returns as it is: NaN or infinity.
+        With states or preview it is ``damping(signals, gains, states, sample_time, ahead) -> (c,
+        next_states)``: signals in the order of `bridgectl.dampers.SIGNALS`, gains and states in
+        that of `gains` and `states`, these as the last sample left them. What is no finite number
+        the function returns as it is: NaN or infinity.
 
         Parameters
         ----------
@@ -368,29 +387,3 @@ def damping_bounds(c_min: float, c_max: float) -> tuple[float, float]:
             f"c_min must not exceed c_max, got {soft:g} and {stiff:g} N s/m: swap them"
         )
     return soft, stiff
-
-
-def numbers(name: str, command: FloatArray) -> FloatArray:
-    """Return the commands of a law, if all are finite numbers."""
-    if not np.isfinite(command).all():
-        what = "NaN" if np.isnan(command).any() else "infinity, a division by 0"
-        raise ValueError(
-            f"the law of {name} returned {what}: guard divisions, for example by "
-            "ca.if_else(ca.fabs(s.suspension_velocity) < 1e-6, ...)"
-        )
-    return command
-
-
-def _within(law: ca.Function, c_min: float, c_max: float) -> ca.Function:
-    """Return a law kept within bounds: the CasADi function "damping" of signals and gains."""
-    signals, gains = law.sx_in()
-    command: Any = law(signals, gains)
-    # fmin and fmax would make a bound of NaN, and of what a division by 0 gives: those are told.
-    kept = ca.if_else(ca.fabs(command) < np.inf, ca.fmin(ca.fmax(command, c_min), c_max), command)
-    return ca.Function("damping", [signals, gains], [kept], ["signals", "gains"], ["c"])
-
-
-def _name(name: Any) -> str:
-    if not isinstance(name, str) or not name:
-        raise TypeError(f'name must be a string, got {name!r}: type for example "skyhook"')
-    return name

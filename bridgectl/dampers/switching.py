@@ -1,4 +1,7 @@
-"""How laws come from a wish to a damping: on and off, or as near to a force as it goes."""
+"""How laws come from a wish to a damping: on and off, or as near to a force as it goes.
+
+And what their docstrings have in common, which `documented` fills in.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ from typing import Any
 
 import casadi as ca
 
+from bridgectl._docs import filled
 from bridgectl.dampers.strategy import Law, Strategy
 
 Gains = dict[str, tuple[float, float, float]]
@@ -13,6 +17,33 @@ Gains = dict[str, tuple[float, float, float]]
 
 DEAD_BAND = 1e-4
 """Suspension velocity [m/s] below which on-off laws stay soft: 3 N at 30 kN s/m."""
+
+
+documented = filled(
+    on_off="""\
+Parameters
+----------
+{bounds}
+{dead_band}
+
+{strategy}""",
+    bounds="""\
+c_min, c_max : float
+    Bounds of the damping [N s/m].""",
+    dead_band="""\
+dead_band : float, optional
+    Suspension velocity [m/s] below which the command is c_min.""",
+    strategy="""\
+Returns
+-------
+Strategy
+
+Raises
+------
+TypeError, ValueError
+    If an argument is not what is described above.""",
+)
+"""Fills in what the docstrings of laws have in common; {on_off} has all of it."""
 
 
 def on_off(
@@ -27,8 +58,24 @@ def on_off(
             ca.logic_and(driver(s, g) * v > 0, ca.fabs(v) > g.dead_band), g.c_max, g.c_min
         )
 
-    bounds = {**(gains or {}), "dead_band": (dead_band, 0.0, 1.0)}
-    return Strategy(name, law, c_min, c_max, bounds)
+    return _with_dead_band(name, law, c_min, c_max, dead_band, gains or {})
+
+
+def nearest(
+    name: str, force: Law, c_min: float, c_max: float, dead_band: float, gains: Gains
+) -> Strategy:
+    """Return a strategy whose damper force is as near to a wanted one as it goes."""
+
+    def law(s: Any, g: Any) -> Any:
+        return damping_for(force(s, g), s, g)
+
+    return _with_dead_band(name, law, c_min, c_max, dead_band, gains)
+
+
+def _with_dead_band(
+    name: str, law: Law, c_min: float, c_max: float, dead_band: float, gains: Gains
+) -> Strategy:
+    return Strategy(name, law, c_min, c_max, {**gains, "dead_band": (dead_band, 0.0, 1.0)})
 
 
 def damping_for(force: Any, s: Any, g: Any) -> Any:

@@ -16,10 +16,11 @@ import numpy as np
 from bridgectl import _checks as check
 from bridgectl.dampers.passive_theory import invariant_frequencies
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.dampers.switching import DEAD_BAND, Gains, damping_for, on_off
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.dampers.switching import DEAD_BAND, Gains, documented, nearest, on_off
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 
 
+@documented
 def tire_groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND) -> Strategy:
     """Return Valasek's on-off groundhook: c_max where -e' v > 0, c_min elsewhere.
 
@@ -27,21 +28,7 @@ def tire_groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND)
     that surface, the force of a stiff damper then works against the tire's deflection. Only the
     sign of the tire force's rate matters, so that no stiffness has to be known.
 
-    Parameters
-    ----------
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
-    dead_band : float, optional
-        Suspension velocity [m/s] below which the command is c_min.
-
-    Returns
-    -------
-    Strategy
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not what is described above.
+    {on_off}
 
     References
     ----------
@@ -56,6 +43,7 @@ def tire_groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND)
     return on_off("tire groundhook", lambda s, g: -s.tire_force_rate, c_min, c_max, dead_band)
 
 
+@documented
 def extended_groundhook(
     c_min: float,
     c_max: float,
@@ -79,8 +67,7 @@ def extended_groundhook(
 
     Parameters
     ----------
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
+    {bounds}
     vehicle : QuarterCar
         Its static load W and tire stiffness K_t turn the tire force into e and e'. They are gains
         too, `static_load` [N] and `tire_stiffness` [N/m]: a controller knows them but roughly.
@@ -90,17 +77,9 @@ def extended_groundhook(
         b_12 [N s/m].
     tire_stiffness_change, travel_stiffness_change : float, optional
         dK_10 and dK_12 [N/m].
-    dead_band : float, optional
-        Suspension velocity [m/s] below which the command is c_min.
+    {dead_band}
 
-    Returns
-    -------
-    Strategy
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not what is described above.
+    {strategy}
 
     Notes
     -----
@@ -143,22 +122,21 @@ def extended_groundhook(
         "tire_stiffness_change": (tire_stiffness_change, -1e8, 1e8),
         "travel_stiffness_change": (travel_stiffness_change, -1e8, 1e8),
         **tire_gains(vehicle),
-        "dead_band": (dead_band, 0.0, 1.0),
     }
 
-    def law(s: Any, g: Any) -> Any:
-        force = (
+    def force(s: Any, g: Any) -> Any:
+        return (
             g.sky_damping * s.body_velocity
             + g.suspension_damping * s.suspension_velocity
             + g.travel_stiffness_change * s.suspension_travel
             - g.tire_damping * s.tire_force_rate / g.tire_stiffness
             - g.tire_stiffness_change * deflection_of_tire(s, g)
         )
-        return damping_for(force, s, g)
 
-    return Strategy("extended groundhook", law, c_min, c_max, gains)
+    return nearest("extended groundhook", force, c_min, c_max, dead_band, gains)
 
 
+@documented
 def selective_groundhook(
     c_min: float,
     c_max: float,
@@ -177,23 +155,14 @@ def selective_groundhook(
 
     Parameters
     ----------
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
+    {bounds}
     vehicle : QuarterCar
         Gives the static load W, as the gain `static_load` [N], and the crossover.
     crossover : float, optional
         In rad/s. Default: 2 pi times the upper of the two frequencies.
-    dead_band : float, optional
-        Suspension velocity [m/s] below which the command is c_min.
+    {dead_band}
 
-    Returns
-    -------
-    Strategy
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not what is described above.
+    {strategy}
 
     Notes
     -----
@@ -212,7 +181,7 @@ def selective_groundhook(
     >>> law.command(tire_force=103.1e3, tire_force_rate=rates, suspension_velocity=0.1)
     array([ 1000., 30000.])
     """
-    quick = 2 * np.pi * invariant_frequencies(quarter_car(vehicle)).tire_force[-1]
+    quick = 2 * np.pi * invariant_frequencies(require_quarter_car(vehicle)).tire_force[-1]
     rate = quick if crossover is None else check.not_negative("crossover", crossover, unit="rad/s")
 
     def driver(s: Any, g: Any) -> Any:
@@ -228,7 +197,7 @@ def selective_groundhook(
 
 def tire_gains(vehicle: QuarterCar) -> Gains:
     """Return what turns a tire force into a deflection: W [N] and K_t [N/m], as gains."""
-    load = float(quarter_car(vehicle).linear.static_loads[0])
+    load = float(require_quarter_car(vehicle).linear.static_loads[0])
     return {
         "static_load": (load, 0.0, 1e7),
         "tire_stiffness": (vehicle.tire_stiffness, 1.0, 1e9),
@@ -238,12 +207,3 @@ def tire_gains(vehicle: QuarterCar) -> Gains:
 def deflection_of_tire(s: Any, g: Any) -> Any:
     """Return e = (R - W) / K_t [m] of signals and `tire_gains`."""
     return (s.tire_force - g.static_load) / g.tire_stiffness
-
-
-def quarter_car(vehicle: QuarterCar) -> QuarterCar:
-    """Return the vehicle, if it is a quarter-car."""
-    if not isinstance(vehicle, QuarterCar):
-        raise TypeError(
-            f"vehicle must be a QuarterCar, as bc.li2006.car(), got {type(vehicle).__name__}"
-        )
-    return vehicle

@@ -5,7 +5,12 @@ differently (Fig. 3), and test their estimate on two artificial roads made for e
 (Fig. 8, profiles 7 and 8).
 """
 
-from bridgectl.extremes.linear_program import ExtremeRoad, extreme_road
-from bridgectl.extremes.pairs import EqualRoughnessPair, equal_roughness_pair
+from bridgectl._gone import no_attribute
+from bridgectl.extremes.linear_program import extreme_road
+from bridgectl.extremes.pairs import equal_roughness_pair
 
-__all__ = ["EqualRoughnessPair", "ExtremeRoad", "equal_roughness_pair", "extreme_road"]
+__all__ = ["equal_roughness_pair", "extreme_road"]
+
+
+def __getattr__(name: str) -> object:
+    raise no_attribute(__name__, name)

@@ -17,6 +17,7 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._progress import track
 from bridgectl._threads import on_one_thread
+from bridgectl._units import to_kmh
 from bridgectl.extremes.common import IRI_TOLERANCE, NO_EFFECT, speed_index
 from bridgectl.road import RoadProfile
 from bridgectl.road.iri import AT_START, SPEED, golden_car, input_slopes
@@ -58,7 +59,7 @@ class ExtremeRoad:
 
     def __repr__(self) -> str:
         return (
-            f"ExtremeRoad(DAE {self.dae:.4f} at {self.speed * 3.6:g} km/h, IRI {self.iri:.3f} "
+            f"ExtremeRoad(DAE {self.dae:.4f} at {to_kmh(self.speed):g} km/h, IRI {self.iri:.3f} "
             f"m/km, ramps up to {self.largest_ramp * 1e3:.3g} mm)"
         )
 

@@ -7,18 +7,24 @@ bridge give the largest DAE of one spectrum. An augmented Lagrangian holds the I
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.fft import irfft, rfft
 from scipy.optimize import minimize
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
+from bridgectl._units import to_kmh
 from bridgectl.extremes.common import IRI_TOLERANCE, NO_EFFECT, speed_index
 from bridgectl.road import RoadProfile
 from bridgectl.road.iri import suspension_slope
 from bridgectl.surface.surface import RampSurface
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PAPER_IRI = 2.78
 """IRI of both roads of the paper's Fig. 3 [m/km]."""
@@ -55,8 +61,14 @@ class EqualRoughnessPair:
     def __repr__(self) -> str:
         return (
             f"EqualRoughnessPair(IRI {self.iri[0]:.3f} and {self.iri[1]:.3f} m/km, DAE "
-            f"{self.dae[0]:.4f} and {self.dae[1]:.4f} at {self.speed * 3.6:g} km/h)"
+            f"{self.dae[0]:.4f} and {self.dae[1]:.4f} at {to_kmh(self.speed):g} km/h)"
         )
+
+    def plot(self, speeds: ArrayLike, daf: ArrayLike, *, smooth: ArrayLike | None = None) -> Figure:
+        """Draw both roads, their spectra, and their DAF (2, n_speeds) over speeds [m/s]: Fig. 3."""
+        from bridgectl.plots.roads import pair_figure  # late: matplotlib is slow to load
+
+        return pair_figure(self, speeds, daf, smooth=smooth)
 
 
 @on_one_thread

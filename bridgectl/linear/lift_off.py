@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import to_kmh
 from bridgectl._warn import warn
 from bridgectl.linear.cells import GAUSS, N_STAGES, Cells, build_cells, road_rows
 from bridgectl.linear.runs import LIFT_OFF, Run
@@ -62,9 +63,9 @@ class _Step(NamedTuple):
 class _Stepper:
     """Steps through the cells of one crossing at one speed, with any set of tires touching."""
 
-    def __init__(self, run: Run, nodes: FloatArray) -> None:
+    def __init__(self, run: Run, speed: float, nodes: FloatArray) -> None:
         self.run, self.nodes = run, nodes
-        self.speeds = np.array([run.crossing.speed])
+        self.speeds = np.array([speed])
         self.road, self.shapes = run.road(nodes), run.crossing.tire_shapes(nodes)
         self.rows = road_rows(self.road)
         self.built: dict[bytes, Cells] = {}
@@ -108,13 +109,15 @@ class _Stepper:
         return _Step(after, would_be, forces.reshape(N_STAGES, -1), effects)
 
 
-def fly(run: Run, nodes: FloatArray) -> Flight:
+def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
     """Simulate a crossing with its tires kept from pulling, R >= 0.
 
     Parameters
     ----------
     run : Run
         The crossing; its vehicle starts in equilibrium on a level road.
+    speed : float
+        Speed [m/s].
     nodes : ndarray
         Nodes of the cells [m], the kinks among them.
 
@@ -122,7 +125,7 @@ def fly(run: Run, nodes: FloatArray) -> Flight:
     -------
     Flight
     """
-    crossing, stepper = run.crossing, _Stepper(run, nodes)
+    crossing, stepper = run.crossing, _Stepper(run, speed, nodes)
     slack = LIFT_OFF * crossing.linear.static_loads
     touching = np.ones(crossing.linear.n_tires, dtype=bool)
     state: FloatArray = np.zeros(crossing.n_states)
@@ -215,7 +218,7 @@ def warn_of_flights(flights: Mapping[float, float], n_speeds: int) -> None:
     if flights:
         warn(
             f"a tire leaves the road at {len(flights)} of {n_speeds} speeds, the slowest "
-            f"{min(flights) * 3.6:.0f} km/h, the first place x = {min(flights.values()):.1f} m: "
+            f"{to_kmh(min(flights)):.0f} km/h, the first place x = {min(flights.values()):.1f} m: "
             "simulated there with R >= 0",
             LiftOffWarning,
         )

@@ -5,13 +5,15 @@ Two routes lead to them: exact cells, and the control library, which they are co
 
 from __future__ import annotations
 
-from dataclasses import replace
-
+import control
 import numpy as np
+from numpy.typing import ArrayLike
 
+from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl._progress import track
+from bridgectl._units import to_kmh
 from bridgectl.linear.cells import SAMPLES, bridge_entry, sample_positions
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.lift_off import fly, warn_of_flight, warn_of_flights
@@ -26,12 +28,13 @@ from bridgectl.linear.runs import (
     simulate_reference,
     speed_batches,
 )
+from bridgectl.model.motion import Motion
 
 METHODS = ("propagator", "control")
 
 
 def linear_response(
-    run: Run, asked: FloatArray | None, method: str
+    run: Run, motion: Motion, asked: FloatArray | None, method: str
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return places, states and tire forces of one crossing, at places [m] or where cells end.
 
@@ -39,6 +42,8 @@ def linear_response(
     ----------
     run : Run
         The crossing and its road.
+    motion : Motion
+        How it comes to a place; by the propagator at constant speed.
     asked : ndarray, shape (m,), or None
         Places of the reference tire [m].
     method : {'propagator', 'control'}
@@ -48,21 +53,21 @@ def linear_response(
     -------
     positions, states, forces : ndarray, shapes (m,), (n, m) and (n_tires, m)
     """
-    crossing, speed = run.crossing, np.array([run.crossing.speed])
-    tail = (run.end - crossing.exit) / crossing.speed
+    crossing, speed = run.crossing, np.array([motion.speed])
+    tail = (run.end - crossing.exit) / motion.speed
     require_crossing(run, speed, tail=tail, refine=4)
-    nodes = run.nodes(crossing.speed, refine=4)
+    nodes = run.nodes(motion.speed, refine=4)
     keep = np.arange(len(nodes))
     if asked is not None:
         nodes = merge_places(np.concatenate([asked, nodes]))
         keep = np.searchsorted(nodes, asked - SAME_PLACE)
     if method == "control":
-        states, forces = simulate_reference(run, nodes)
+        states, forces = simulate_reference(run, motion, nodes)
     else:
         stretches = propagate(run, speed, nodes)
         if not lifts_off(crossing, stretches)[0]:
             return nodes[keep], *at_nodes(crossing, stretches, keep)
-        flight = fly(run, nodes)
+        flight = fly(run, motion.speed, nodes)
         # The places of lift-offs and landings are among its nodes.
         keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
         nodes, states, forces = flight.nodes, flight.states, flight.forces
@@ -72,15 +77,62 @@ def linear_response(
     return nodes[keep], states[:, keep], forces[:, keep]
 
 
+def checked_times(timepts: ArrayLike, run: Run, motion: Motion) -> FloatArray:
+    """Times [s] that a response is asked for, within the crossing."""
+    times = _checks.array("timepts", timepts, (None,), unit="s")
+    first, last = motion.time(run.start), motion.time(run.end)
+    slack = SAME_PLACE / motion.speed
+    if times.size < 2 or np.any(np.diff(times) <= 0):
+        raise ValueError("timepts must hold two or more increasing times [s]")
+    if times[0] < first - slack or times[-1] > last + slack:
+        raise ValueError(
+            f"timepts must lie within the crossing, {first:g} s to {last:g} s, "
+            f"got {times[0]:g} s to {times[-1]:g} s"
+        )
+    return times
+
+
+def as_response(
+    run: Run,
+    motion: Motion,
+    positions: FloatArray,
+    states: FloatArray,
+    forces: FloatArray,
+    damper: FloatArray | None = None,
+) -> control.TimeResponseData:
+    """Return a crossing as python-control does: see `bridgectl.crossing_response`."""
+    crossing = run.crossing
+    if damper is None:
+        damper = np.zeros((len(crossing.linear.damper_map), len(positions)))
+    return control.TimeResponseData(
+        motion.time(positions),
+        crossing.outputs(positions, states, forces, damper),
+        states,
+        np.vstack([run.road(positions).T, damper]),
+        issiso=False,
+        output_labels=crossing.output_labels,
+        state_labels=crossing.state_labels,
+        input_labels=crossing.input_labels,
+        sysname="crossing",
+        title=f"Crossing at {to_kmh(motion.speed):g} km/h",
+        params={
+            "speed": motion.speed,
+            "section": crossing.section,
+            "recovery": crossing.recovery,
+            "start": run.start,
+        },
+    )
+
+
 def linear_dafs(
     run: Run, speeds: FloatArray, method: str = "propagator", progress: bool = True
 ) -> FloatArray:
-    """Return the peak of the crossing's effect over its static peak, shape (n_speeds,).
+    """Return the peak of the effect over its static peak, if it has one, shape (n_speeds,).
 
     Parameters
     ----------
     run : Run
-        The crossing, whose own speed does not count, and its road.
+        The crossing and its road.
     speeds : ndarray, shape (n_speeds,)
         Speeds [m/s].
     method : {'propagator', 'control'}
@@ -102,25 +154,24 @@ def linear_dafs(
     flights = {}
     flying = np.nonzero(~linear)[0]
     for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
-        at_speed = run._replace(crossing=replace(crossing, speed=float(speeds[i])))
-        result[i], place = simulate(at_speed)
+        result[i], place = simulate(run, float(speeds[i]))
         if place is not None:
             flights[float(speeds[i])] = place
     warn_of_flights(flights, speeds.size)
-    return result
+    return crossing.orientation * result
 
 
-def _flying_peak(run: Run) -> tuple[float, float | None]:
+def _flying_peak(run: Run, speed: float) -> tuple[float, float | None]:
     """DAF with the tires kept from pulling, and where one first leaves the road."""
-    flight = fly(run, run.nodes(run.crossing.speed))
+    flight = fly(run, speed, run.nodes(speed))
     return _peak(flight.effects, flight.nodes), first_flight(flight.nodes, flight.forces)
 
 
-def _reference_peak(run: Run) -> tuple[float, float | None]:
+def _reference_peak(run: Run, speed: float) -> tuple[float, float | None]:
     """The same by the reference route."""
-    nodes = run.nodes(run.crossing.speed)
+    nodes = run.nodes(speed)
     positions = sample_positions(nodes)
-    states, forces = simulate_reference(run, positions)
+    states, forces = simulate_reference(run, Motion(speed), positions)
     effect = run.crossing.values(positions, states.T, forces.T)
     return _peak(effect, nodes), first_flight(positions, forces)
 

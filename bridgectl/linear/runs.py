@@ -22,6 +22,7 @@ from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl.linear.cells import N_STAGES, Cells, bridge_entry, build_cells, road_rows
 from bridgectl.linear.nodes import cell_nodes, kink_positions
 from bridgectl.model.crossing import Crossing
+from bridgectl.model.motion import Motion
 from bridgectl.road import RoadProfile
 from bridgectl.road.sampling import warn_if_coarse
 
@@ -79,7 +80,6 @@ def prepare(
     crossing: Crossing,
     profile: RoadProfile | None,
     start: float,
-    tail: float = 0.0,
     pieces: float = 0.0,
 ) -> Run:
     """Check where a crossing starts and that its road covers it, and is not too coarse.
@@ -100,8 +100,7 @@ def prepare(
             )
         profile.require(start, crossing.beam.length, "the crossing")
         warn_if_coarse(profile, "dynamic amplification", pieces=pieces)
-    after = _checks.not_negative("tail", tail, unit="s") * crossing.speed
-    return Run(crossing, start, crossing.exit + after, profile)
+    return Run(crossing, start, crossing.exit, profile)
 
 
 def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> Iterator[slice]:
@@ -131,14 +130,6 @@ def _through(run: Run, cells: Cells, initial: FloatArray) -> Stretch:
     road = run.road(cells.nodes)
     states, stages = cells.propagate(road_rows(road)[..., np.newaxis], initial)
     return Stretch(cells, road, states[..., 0], stages[..., 0])
-
-
-def state_maps(stretches: list[Stretch]) -> list[FloatArray]:
-    """Map of the states over each cell of one speed; on the approach the vehicle's alone."""
-    maps: list[FloatArray] = []
-    for cells in (stretch.cells for stretch in stretches):
-        maps.extend(cells.transitions()[0][0, cells.map_of, : cells.n_states])
-    return maps
 
 
 def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
@@ -197,23 +188,25 @@ def linear_contact(run: Run, speeds: FloatArray) -> NDArray[np.bool_]:
     return contact
 
 
-def reference_effect(run: Run, positions: FloatArray) -> FloatArray:
+def reference_effect(run: Run, motion: Motion, positions: FloatArray) -> FloatArray:
     """The crossing's effect at positions by the reference path, shape (m,)."""
     # The simulation starts on the approach, whatever positions are asked for.
     nodes = merge_places(np.concatenate([run.kinks(), positions]))
-    states, forces = simulate_reference(run, nodes)
+    states, forces = simulate_reference(run, motion, nodes)
     keep = np.searchsorted(nodes, positions - SAME_PLACE)
     return run.crossing.values(positions, states[:, keep].T, forces[:, keep].T)
 
 
-def simulate_reference(run: Run, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
+def simulate_reference(
+    run: Run, motion: Motion, positions: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Simulate with `control.input_output_response`, the tires kept from pulling.
 
     One simulation from kink to kink, so that no integration step crosses one and none is
     stepped over. Positions must include the kinks. Returns states (n, m) and tire forces
     (n_tires, m).
     """
-    crossing, system = run.crossing, run.crossing.system()
+    crossing, system = run.crossing, run.crossing.system(motion)
     first_force = crossing.output_labels.index("deflection") + 1
     road = run.road(positions)
     inputs = np.zeros((len(crossing.input_labels), len(positions)))
@@ -221,9 +214,10 @@ def simulate_reference(run: Run, positions: FloatArray) -> tuple[FloatArray, Flo
     states = np.zeros((crossing.n_states, len(positions)))
     forces = np.empty((road.shape[1], len(positions)))
     ends = np.searchsorted(positions, run.kinks() - SAME_PLACE)
+    times = motion.time(positions)
     for first, last in pairwise(ends):
         piece = slice(first, last + 1)
-        time = positions[piece] / crossing.speed
+        time = times[piece]
         response = control.input_output_response(
             system,
             time,

@@ -1,23 +1,11 @@
 """Measures of a tire force or a ride: what roads and people feel."""
 
-from bridgectl.measures.history import histories, largest, peak_to_peak, rms, switching_count
-from bridgectl.measures.loads import (
-    FourthPower,
-    aggregate_fourth_power,
-    dynamic_load_coefficient,
-    least_force,
-    road_stress_factor,
-)
+from bridgectl._gone import no_attribute
+from bridgectl.measures.loads import aggregate_fourth_power, dynamic_load_coefficient
+from bridgectl.measures.weighting import weighted_rms
 
-__all__ = [
-    "FourthPower",
-    "aggregate_fourth_power",
-    "dynamic_load_coefficient",
-    "histories",
-    "largest",
-    "least_force",
-    "peak_to_peak",
-    "rms",
-    "road_stress_factor",
-    "switching_count",
-]
+__all__ = ["aggregate_fourth_power", "dynamic_load_coefficient", "weighted_rms"]
+
+
+def __getattr__(name: str) -> object:
+    raise no_attribute(__name__, name)

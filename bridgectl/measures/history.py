@@ -1,4 +1,4 @@
-"""Measures of any history: how large it is, and how often a command switches.
+"""Measures of any history: how large it is.
 
 Histories are arrays (..., n) of samples evenly spaced in time, any number at once: crossings,
 speeds, tires.
@@ -7,138 +7,20 @@ speeds, tires.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 
 
 def rms(history: ArrayLike) -> FloatArray:
-    """Return the root mean square of histories.
-
-    Parameters
-    ----------
-    history : array_like, shape (..., n)
-        In any unit, as [m/s^2].
-
-    Returns
-    -------
-    float or ndarray, shape (...)
-        In the unit of the history.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If the history is not an array of finite numbers with one sample or more.
-
-    Examples
-    --------
-    >>> from bridgectl.measures import rms
-    >>> print(rms([3.0, -4.0, 5.0, 0.0]).round(3))
-    3.536
-    """
+    """Return the root mean square of histories."""
     return np.sqrt(np.mean(histories("history", history) ** 2, axis=-1))
 
 
 def largest(history: ArrayLike) -> FloatArray:
-    """Return the largest absolute value of histories, as of suspension travel.
-
-    Parameters
-    ----------
-    history : array_like, shape (..., n)
-        For suspension travel, y_s - y_t [m] from static equilibrium.
-
-    Returns
-    -------
-    float or ndarray, shape (...)
-        In the unit of the history.
-
-    Raises
-    ------
-    TypeError, ValueError
-        As `rms`.
-
-    Examples
-    --------
-    >>> from bridgectl.measures import largest
-    >>> print(largest([0.01, -0.03, 0.02]))
-    0.03
-    """
+    """Return the largest absolute value of histories, as of suspension travel."""
     return np.max(np.abs(histories("history", history)), axis=-1)
-
-
-def peak_to_peak(history: ArrayLike) -> FloatArray:
-    """Return the largest less the smallest value of histories: the rattle space of a suspension.
-
-    Parameters
-    ----------
-    history : array_like, shape (..., n)
-        For suspension travel, y_s - y_t [m].
-
-    Returns
-    -------
-    float or ndarray, shape (...)
-        In the unit of the history.
-
-    Raises
-    ------
-    TypeError, ValueError
-        As `rms`.
-
-    Examples
-    --------
-    >>> from bridgectl.measures import peak_to_peak
-    >>> print(peak_to_peak([0.01, -0.03, 0.02]))
-    0.05
-    """
-    return np.ptp(histories("history", history), axis=-1)
-
-
-def switching_count(
-    command: ArrayLike, limits: tuple[float, float], dead_band: float = 0.2
-) -> NDArray[np.intp]:
-    """Count how often a damper's command changes between the soft and the stiff half.
-
-    The command counts as stiff once it rises above the middle of its range by half the dead
-    band, and as soft once it falls as far below: what stays inside the dead band is no change.
-
-    Parameters
-    ----------
-    command : array_like, shape (..., n)
-        Damping coefficients c [N s/m].
-    limits : pair of float
-        c_min and c_max [N s/m], the ends of the range.
-    dead_band : float
-        Width of the dead band around the middle, as a fraction of the range, 0 to below 1.
-
-    Returns
-    -------
-    int or ndarray of int, shape (...)
-
-    Raises
-    ------
-    TypeError, ValueError
-        If the commands are not finite numbers, the limits do not rise or the dead band is not
-        such a fraction.
-
-    Examples
-    --------
-    >>> from bridgectl.measures import switching_count
-    >>> print(switching_count([2e3, 30e3, 15e3, 30e3, 2e3], limits=(2e3, 30e3)))
-    2
-    """
-    low, high = check.array("limits", limits, (2,), unit="N s/m")
-    if not low < high:
-        raise ValueError(f"limits must rise, got {low:g} to {high:g}: type limits=(c_min, c_max)")
-    band = check.not_negative("dead_band", dead_band)
-    if band >= 1:
-        raise ValueError(f"dead_band must be a fraction of the range below 1, got {band:g}")
-    place = (histories("command", command, "N s/m") - (low + high) / 2) / (high - low)
-    half = np.where(place > band / 2, 1, np.where(place < -band / 2, -1, 0))
-    # Inside the dead band the last half holds; before the first, none does.
-    last = np.maximum.accumulate(np.where(half != 0, np.arange(half.shape[-1]), 0), axis=-1)
-    held = np.take_along_axis(half, last, axis=-1)
-    return np.sum(held[..., 1:] * held[..., :-1] < 0, axis=-1)
 
 
 def histories(name: str, value: ArrayLike, unit: str = "") -> FloatArray:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE, count_pieces, whole_pieces
 from bridgectl._warn import asker, warn
 from bridgectl.measures.history import histories
 
@@ -47,7 +48,7 @@ def dynamic_load_coefficient(force: ArrayLike, static_load: ArrayLike) -> FloatA
     References
     ----------
     D. Cebon, Handbook of Vehicle-Road Interaction, Swets & Zeitlinger, 1999.
-    `bridgectl.passive_theory.variances` gives its value for a passive quarter-car.
+    `bridgectl.dampers.passive_theory.variances` gives its value for a passive quarter-car.
 
     Examples
     --------
@@ -61,79 +62,13 @@ def dynamic_load_coefficient(force: ArrayLike, static_load: ArrayLike) -> FloatA
     return np.std(forces, axis=-1) / _loads(static_load, forces)
 
 
-def least_force(force: ArrayLike, static_load: ArrayLike) -> FloatArray:
-    """Return the least tire force of histories over the static load, min R / W.
-
-    At 0 the tire is about to leave the road; below 0, a linear crossing has lost its meaning.
-
-    Parameters
-    ----------
-    force, static_load
-        As `dynamic_load_coefficient`; whole forces R.
-
-    Returns
-    -------
-    float or ndarray, shape (...)
-        As a fraction of the static load.
-
-    Raises
-    ------
-    TypeError, ValueError
-        As `dynamic_load_coefficient`.
-
-    Warns
-    -----
-    UserWarning
-        If the forces look like R - W.
-
-    Examples
-    --------
-    >>> from bridgectl.measures import least_force
-    >>> print(least_force([98.1e3, 49.05e3, 120e3], 98.1e3))
-    0.5
-    """
-    return np.min(_relative(force, static_load), axis=-1)
-
-
 def road_stress_factor(force: ArrayLike, static_load: ArrayLike) -> FloatArray:
-    """Return the dynamic road stress factor of tire forces, the mean of (R / W)^4.
+    """Return the dynamic road stress factor of whole tire forces R, the mean of (R / W)^4 [-].
 
-    Fatigue of a road grows with the fourth power of the load (Eisenmann). Over a path on which
-    R is normally distributed with mean W, the factor is ``1 + 6 DLC^2 + 3 DLC^4``; here it is
-    the mean along the path itself, as a single crossing is not Gaussian.
-
-    Parameters
-    ----------
-    force, static_load
-        As `dynamic_load_coefficient`; whole forces R.
-
-    Returns
-    -------
-    float or ndarray, shape (...)
-        1 for a constant force.
-
-    Raises
-    ------
-    TypeError, ValueError
-        As `dynamic_load_coefficient`.
-
-    Warns
-    -----
-    UserWarning
-        If the forces look like R - W.
-
-    References
-    ----------
-    J. Eisenmann, Strasse und Autobahn 4 (1975); D. Cebon, Vehicle System Dynamics 18 (1989)
-    107-150.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.measures import road_stress_factor
-    >>> force = np.random.default_rng(0).normal(98.1e3, 9.81e3, 100_000)  # DLC = 0.1
-    >>> print(road_stress_factor(force, 98.1e3).round(2))
-    1.06
+    Fatigue of a road grows with the fourth power of the load (J. Eisenmann, Strasse und Autobahn 4,
+    1975). Over a path on which R is normally distributed with mean W, the factor is ``1 + 6 DLC^2 +
+    3 DLC^4`` (D. Cebon, Vehicle System Dynamics 18 (1989) 107-150); here it is the mean along the
+    path itself, as a single crossing is not Gaussian.
     """
     return np.mean(_relative(force, static_load) ** 4, axis=-1)
 
@@ -158,23 +93,7 @@ class FourthPower(NamedTuple):
         return float(np.mean(self.values))
 
     def percentile(self, q: float = 95.0) -> float:
-        """Value that some of the places stay below: 95 % of the road, where it fails first.
-
-        Parameters
-        ----------
-        q : float, optional
-            Share of the places [%], 0 to 100.
-
-        Returns
-        -------
-        float
-            Fourth power of the tire force over the static load, dimensionless.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If `q` is no such number.
-        """
+        """Return the value [-] that `q` % of the places stay below: roads fail at the rest."""
         share = check.number("q", q, unit="%")
         if not 0 <= share <= 100:
             raise ValueError(f"q must lie between 0 and 100 %, got {share:g}: type 95")
@@ -239,7 +158,9 @@ def aggregate_fourth_power(
     where = _positions(position, forces.shape)
     width = check.positive("cell", cell, unit="m")
     first, stop = _common_cells(where, width)
-    means = _cell_means(fourth, np.floor(where / width + 1e-9).astype(int) - first, stop - first)
+    means = _cell_means(
+        fourth, np.floor(where / width + SAME_PLACE).astype(int) - first, stop - first
+    )
     weights = np.broadcast_to(loads, forces.shape[:-1]).reshape(-1) ** 4
     values = weights @ means / weights.sum()
     return FourthPower((np.arange(first, stop) + 0.5) * width, values)
@@ -289,7 +210,7 @@ def _positions(position: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
 def _common_cells(where: FloatArray, width: float) -> tuple[int, int]:
     """First place that every row covers, and the one after the last, in cells from 0 m."""
     begin, end = where[..., 0].max(), where[..., -1].min()
-    first, stop = int(np.ceil(begin / width - 1e-9)), int(np.floor(end / width + 1e-9))
+    first, stop = count_pieces(begin, width), whole_pieces(end, width)
     if stop <= first:
         raise ValueError(
             f"no place of {width:g} m lies on every tire's way, from {begin:g} m to {end:g} m: "

@@ -10,7 +10,7 @@ from scipy.signal import lfilter, tf2ss
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._warn import warn
-from bridgectl.measures import histories, rms
+from bridgectl.measures.history import histories, rms
 
 HIGH_PASS, LOW_PASS = 0.4, 100.0
 """Band limits f_1 and f_2 of W_k [Hz], both Butterworth of second order."""
@@ -26,9 +26,9 @@ LONGEST_SAMPLE = 1 / 160
 
 
 def weighting_filter() -> control.StateSpace:
-    """Return the weighting W_k of vertical vibration of a seated person as a linear system.
+    """Return the weighting W_k of vertical vibration of a seated person, of 8 states.
 
-    Four sections in a row, w_i = 2 pi f_i::
+    Four sections in a row, w_i = 2 pi f_i (ISO 2631-1:1997, Annex A)::
 
         high pass   1 / (1 + sqrt(2) w_1 / s + (w_1 / s)^2)               f_1 = 0.4 Hz
         low pass    1 / (1 + sqrt(2) s / w_2 + (s / w_2)^2)               f_2 = 100 Hz
@@ -37,22 +37,6 @@ def weighting_filter() -> control.StateSpace:
                     / (1 + s / (Q_6 w_6) + (s / w_6)^2)                   f_6 = 3.35 Hz
 
     with Q_4 = 0.63 and Q_5 = Q_6 = 0.91.
-
-    Returns
-    -------
-    control.StateSpace
-        Input 'acceleration', output 'weighted', both in m/s^2; 8 states.
-
-    References
-    ----------
-    ISO 2631-1:1997, Annex A.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.measures.weighting import weighting_filter
-    >>> abs(weighting_filter()(2j * np.pi * np.array([1, 6.3, 80]))).round(2)
-    array([0.48, 1.05, 0.13])
     """
     low, high, middle, before, after = (
         2 * np.pi * np.array([HIGH_PASS, LOW_PASS, TRANSITION, STEP_FROM, STEP_TO])
@@ -71,43 +55,9 @@ def weighting_filter() -> control.StateSpace:
 
 
 def weighted_acceleration(acceleration: ArrayLike, sample_time: float) -> FloatArray:
-    """Return the history of an acceleration weighted by W_k, from rest.
+    """Return histories of an acceleration [m/s^2] weighted by W_k, from rest.
 
-    Exact for an acceleration that is linear between its samples.
-
-    Parameters
-    ----------
-    acceleration : array_like, shape (..., n)
-        Vertical accelerations [m/s^2].
-    sample_time : float
-        Time between samples [s].
-
-    Returns
-    -------
-    ndarray, shape (..., n)
-        In m/s^2.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If the accelerations are not finite numbers, or `sample_time` is not above 0.
-
-    Warns
-    -----
-    UserWarning
-        If the samples are too far apart for 80 Hz.
-
-    References
-    ----------
-    ISO 2631-1:1997, Annex A.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.measures.weighting import weighted_acceleration
-    >>> hop = np.sin(2 * np.pi * 6.3 * np.arange(0, 10, 0.001))
-    >>> print(abs(weighted_acceleration(hop, 0.001))[5000:].max().round(2))
-    1.05
+    Exact for an acceleration that is linear between its samples, `sample_time` [s] apart.
     """
     history = histories("acceleration", acceleration, "m/s^2")
     step = _sample_time(sample_time)
@@ -132,12 +82,14 @@ def weighted_rms(acceleration: ArrayLike, sample_time: float, *, skip: float = 0
     The weighting starts at rest, and its 0.4 Hz high pass needs 2.6 s to forget 99 % of how it
     started; a crossing lasts 1 or 2 s. Pass the approach too, 3 s or more of it, and `skip` it:
     it then runs through the filter without being counted. The body of a truck bounces near
-    that 0.4 Hz, so report `rms` of the same history beside it.
+    that 0.4 Hz, so report the plain root mean square of the same history beside it.
 
     Parameters
     ----------
-    acceleration, sample_time
-        As `weighted_acceleration`.
+    acceleration : array_like, shape (..., n)
+        Vertical accelerations [m/s^2], linear between samples.
+    sample_time : float
+        Time between samples [s].
     skip : float
         Time at the beginning that does not count [s].
 
@@ -149,21 +101,22 @@ def weighted_rms(acceleration: ArrayLike, sample_time: float, *, skip: float = 0
     Raises
     ------
     TypeError, ValueError
-        As `weighted_acceleration`; if `skip` leaves no sample.
+        If the accelerations are not finite numbers, `sample_time` is not above 0 s, or `skip`
+        leaves no sample.
 
     Warns
     -----
     UserWarning
-        As `weighted_acceleration`.
+        If the samples are too far apart for 80 Hz.
 
     References
     ----------
-    ISO 2631-1:1997, Section 6.1.
+    ISO 2631-1:1997, Section 6.1 and Annex A.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from bridgectl.measures.weighting import weighted_rms
+    >>> from bridgectl.measures import weighted_rms
     >>> hop = np.sin(2 * np.pi * 6.3 * np.arange(0, 10, 0.001))
     >>> print(weighted_rms(hop, 0.001, skip=5.0).round(3))
     0.745

@@ -1,8 +1,8 @@
-"""One crossing: the motion of beam and vehicle, what is read from it, and its named signals."""
+"""A crossing: a vehicle, a bridge, what is read from them, and the named signals of both."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -10,27 +10,28 @@ import control
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bridgectl import _checks
 from bridgectl._checks import FloatArray
-from bridgectl._plausible import judge_crossing
+from bridgectl._plausible import judge_crossing, judge_load
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.effects import EffectRows, effect_rows, known_effects, static_peak
+from bridgectl.model.effect import SENSES, Effect, EffectRows
+from bridgectl.model.effects import Deflection, Moment, as_effect
 from bridgectl.model.equations import Equations
+from bridgectl.model.motion import Motion, as_motion
 from bridgectl.model.quarter_car import QuarterCar
-from bridgectl.model.recovery import RECOVERIES
 from bridgectl.model.vehicle import Vehicle, signals, vehicle_states
 
 
 @dataclass(frozen=True)
 class Crossing(Equations):
-    """A vehicle that crosses a beam at constant speed, the reference tire at x = c t.
+    """A vehicle that crosses a bridge, and the effect that is looked at.
 
-    States x = [vehicle states, beam states], each coordinate followed by its rate. With the
+    States x = [vehicle states, bridge states], each coordinate followed by its rate. With the
     tires in contact
 
-        x' = A(t) x + B_r(t) r + B_F F_d + b(t)
+        x' = A x + B_r r + B_F F_d + b
 
-    where b(t) is the static loads W through the beam's time-varying input map.
+    where A, B_r and b, the static loads W through the bridge's input map, vary with the position of
+    the reference tire. The speed is no part of it.
 
     Parameters
     ----------
@@ -38,23 +39,8 @@ class Crossing(Equations):
         The bridge, or another `bridgectl.model.bridge.BridgeModel`.
     vehicle : Vehicle or QuarterCar
         The vehicle.
-    speed : float
-        Speed c [m/s].
-    section : float, optional
-        The section of the moment and deflection, as a fraction of the span.
-    recovery : {'exact', 'li2006', 'modal'}, optional
-        How the bending moment is recovered from the truncated modes.
-
-        - 'exact': tire forces through the static influence line plus the inertia and
-          damping forces of the modes. A few modes suffice.
-        - 'li2006': Eqs. (5)-(8) as printed, for the paper's own numbers.
-        - 'modal': curvature of the modes. Converges as 1 / n: for comparison only.
-
-        `bridgectl.model.recovery` has the formulas.
-    effect : {'moment', 'deflection', 'tire_force', 'acceleration'}, optional
-        What amplification is of: bending moment or modal deflection at the section, tire force
-        ('tire_force_1', ... of several tires), each over its static peak, or the acceleration
-        of the first vehicle coordinate [m/s^2], downward.
+    effect : Moment, Deflection, TireForce or BodyAcceleration, optional
+        What is looked at: the moment halfway if omitted.
 
     Raises
     ------
@@ -64,7 +50,7 @@ class Crossing(Equations):
     Warns
     -----
     PlausibilityWarning
-        If the vehicle is heavier than the bridge, or faster than 216 km/h.
+        If the vehicle is heavier than the bridge.
 
     References
     ----------
@@ -73,75 +59,81 @@ class Crossing(Equations):
     Examples
     --------
     >>> import bridgectl as bc
-    >>> crossing = bc.Crossing(bc.li2006.beam(), bc.li2006.car(), speed=25.0)
-    >>> f"{crossing.peak_static_moment / 1e3:.1f} kN m under the truck at mid-span"
+    >>> crossing = bc.Crossing(bc.li2006.beam(), bc.li2006.car())
+    >>> f"{crossing.static_peak / 1e3:.1f} kN m under the truck at mid-span"
     '613.1 kN m under the truck at mid-span'
-    >>> crossing.state_matrix(0.5).shape
+    >>> crossing.state_matrix(12.5).shape
     (10, 10)
     """
 
-    section: float = 0.5
-    recovery: str = "exact"
-    effect: str = "moment"
+    effect: Effect = field(default_factory=Moment)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.beam, BridgeModel):
-            raise TypeError(
-                f"beam must be a bridgectl.Beam, got {type(self.beam).__name__}: type for example "
-                "bridgectl.Beam(25, 18358, 4.865e10), and the vehicle after it"
-            )
-        if not isinstance(self.vehicle, Vehicle | QuarterCar):
-            raise TypeError(
-                "vehicle must be a bridgectl.Vehicle or QuarterCar, "
-                f"got {type(self.vehicle).__name__}: type for example "
-                "bridgectl.QuarterCar(9000, 1000, 80e3, 1.8e6, 7e3), after the beam"
-            )
-        checked: dict[str, object] = {
-            "speed": _checks.positive("speed", self.speed, unit="m/s"),
-            "section": _checks.fraction("section", self.section, self.beam.length),
-            "recovery": _checks.choice("recovery", self.recovery, RECOVERIES),
-            "effect": _checks.choice("effect", self.effect, known_effects(self.linear)),
-        }
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
-        judge_crossing(self, self.speed)
+        _require_pair(self.beam, self.vehicle)
+        object.__setattr__(self, "effect", as_effect(self.effect, self.beam, self.linear))
+        judge_load(self)
 
     def __repr__(self) -> str:
-        return (
-            f"Crossing({self.beam!r}, {self.vehicle!r}, speed={self.speed:g} m/s, "
-            f"section={self.section:g} of the span, recovery={self.recovery!r}, "
-            f"effect={self.effect!r})"
-        )
+        return f"Crossing({self.beam!r}, {self.vehicle!r}, {self.effect!r})"
 
     @property
-    def peak_static_moment(self) -> float:
-        """Largest static moment M_0 at the section as the vehicle creeps across [N m]."""
-        return static_peak(self.beam, self.linear, self.section, "moment")
+    def section(self) -> float:
+        """Where moment and deflection are read, as a fraction of the bridge's length."""
+        return self._moment.section(self.beam)
 
-    def rows(self, x: ArrayLike, effect: str | None = None) -> EffectRows:
-        """Rows of an effect, by default the crossing's, over its static peak: Eqs. (6)-(8).
+    @property
+    def recovery(self) -> str:
+        """How moments are recovered: see `Moment`."""
+        return self._moment.recovery
+
+    @cached_property
+    def _moment(self) -> Moment:
+        """The moment at the place of the effect, halfway if it has none."""
+        if isinstance(self.effect, Moment):
+            return self.effect
+        at = self.effect.at if isinstance(self.effect, Deflection) else None
+        return Moment(at).on(self.beam, self.linear)
+
+    @cached_property
+    def static_peak(self) -> float:
+        """Largest or smallest static effect as the vehicle creeps across, in its unit; 0 if none.
+
+        Of a moment M_0 [N m].
+        """
+        return self.effect.static_peak(self.beam, self.linear)
+
+    @cached_property
+    def scale(self) -> float:
+        """What the effect is divided by [its unit], so that its peak is a largest value.
+
+        The static peak; of the smallest of what is positive, as a tire force, that peak's negative.
+        """
+        sense, peak = SENSES[self.effect.sense], self.static_peak
+        return sense * (abs(peak) or 1.0)
+
+    @property
+    def orientation(self) -> float:
+        """1, or -1 where the amplification is the negative of a largest value: see `scale`."""
+        return self.scale / (self.static_peak or 1.0)
+
+    def rows(self, x: ArrayLike) -> EffectRows:
+        """Rows of the effect over `scale`: Eqs. (6)-(8).
 
         Parameters
         ----------
         x : array_like
             Positions of the reference tire [m], any shape.
-        effect : str, optional
-            One of those that `Crossing` has.
 
         Returns
         -------
         EffectRows
             Gains on the tire forces, shape (..., n_tires), and on the states, shape (n,).
         """
-        name = self.effect if effect is None else effect
-        beam, vehicle, tires = self.beam, self.linear, self.tire_positions(x)
-        rows = effect_rows(beam, vehicle, self.section, self.recovery, name, tires)
-        return rows.scaled(1 / static_peak(beam, vehicle, self.section, name))
+        rows = self.effect.rows(self.beam, self.linear, self.tire_positions(x))
+        return rows.scaled(1 / self.scale)
 
-    def values(
-        self, x: FloatArray, states: FloatArray, forces: FloatArray, effect: str | None = None
-    ) -> FloatArray:
-        """Effect at many positions of the reference tire, over its static peak.
+    def values(self, x: FloatArray, states: FloatArray, forces: FloatArray) -> FloatArray:
+        """Effect at many positions of the reference tire, over `scale`.
 
         Parameters
         ----------
@@ -149,23 +141,13 @@ class Crossing(Equations):
             Positions [m].
         states, forces : ndarray, shapes (..., m, n) and (..., m, n_tires)
             States (displacements [m] and rates [m/s]) and tire forces [N] there.
-        effect : str, optional
-            See `rows`.
 
         Returns
         -------
         ndarray, shape (..., m)
-            Amplification [-]; the acceleration in m/s^2.
+            Dimensionless; in the effect's unit if it has no static peak.
         """
-        per_force, per_state, constant = self.rows(x, effect)
-        from_forces = np.einsum("mk,...mk->...m", per_force, forces)
-        return np.asarray(from_forces + states @ per_state + constant)
-
-    @cached_property
-    def deflection_row(self) -> FloatArray:
-        """Row of the deflection [m] at the section on the beam states, shape (2 n_modes,)."""
-        shape = self.beam.mode_shapes(self.section * self.beam.length)
-        return np.kron(shape, [1.0, 0.0])
+        return self.rows(x).values(states, forces)
 
     @cached_property
     def output_labels(self) -> list[str]:
@@ -182,14 +164,14 @@ class Crossing(Equations):
         ]
 
     def outputs(
-        self, t: FloatArray, states: FloatArray, forces: FloatArray, damper: FloatArray
+        self, x: FloatArray, states: FloatArray, forces: FloatArray, damper: FloatArray
     ) -> FloatArray:
-        """Outputs at many times from states, tire forces and damper forces.
+        """Outputs at many places from states, tire forces and damper forces.
 
         Parameters
         ----------
-        t : ndarray, shape (m,)
-            Times [s].
+        x : ndarray, shape (m,)
+            Positions of the reference tire [m].
         states, forces, damper : ndarray, shapes (n, m), (n_tires, m), (n_dampers, m)
             States (displacements [m] and rates [m/s]), tire forces [N] and damper forces [N].
 
@@ -199,6 +181,8 @@ class Crossing(Equations):
             In the order of `output_labels`. See `crossing_system` for their units.
         """
         vehicle, n = self.linear, self.n_vehicle
+        read = self.beam, vehicle, self.tire_positions(x)
+        moment, peak = self._moment, self._moment.static_peak(self.beam, vehicle)
         rates = (
             vehicle.state_matrix @ states[:n]
             + vehicle.tire_input @ (forces - vehicle.static_loads[:, np.newaxis])
@@ -206,8 +190,8 @@ class Crossing(Equations):
         )
         return np.vstack(
             [
-                self.values(self.speed * t, states.T, forces.T, "moment"),
-                self.deflection_row @ states[n:],
+                moment.rows(*read).scaled(1 / (peak or 1.0)).values(states.T, forces.T),
+                Deflection(moment.at).rows(*read).values(states.T, forces.T),
                 forces,
                 states[:n],
                 vehicle.velocities @ rates,
@@ -216,11 +200,13 @@ class Crossing(Equations):
             ]
         )
 
-    def system(self, name: str = "crossing") -> control.NonlinearIOSystem:
+    def system(self, motion: Motion, name: str = "crossing") -> control.NonlinearIOSystem:
         """Return the crossing as a control system: see `crossing_system`.
 
         Parameters
         ----------
+        motion : Motion
+            How the vehicle moves.
         name : str, optional
             Name of the system.
 
@@ -231,12 +217,13 @@ class Crossing(Equations):
         n_tires = self.linear.n_tires
 
         def update(t: float, x: FloatArray, u: FloatArray, _: dict[str, Any]) -> FloatArray:
-            return self.dynamics(t, x, u[:n_tires], u[n_tires:])
+            return self.dynamics(motion.position(t), x, u[:n_tires], u[n_tires:])
 
         def output(t: float, x: FloatArray, u: FloatArray, _: dict[str, Any]) -> FloatArray:
-            force = self.contact_forces(x, u[:n_tires], self.tire_shapes(self.speed * t))
+            place = motion.position(t)
+            force = self.contact_forces(x, u[:n_tires], self.tire_shapes(place))
             columns = x[:, np.newaxis], force[:, np.newaxis], u[n_tires:, np.newaxis]
-            return self.outputs(np.array([t]), *columns)[:, 0]
+            return self.outputs(np.array([place]), *columns)[:, 0]
 
         return control.nlsys(
             update,
@@ -251,15 +238,16 @@ class Crossing(Equations):
 def crossing_system(
     beam: BridgeModel,
     vehicle: Vehicle | QuarterCar,
-    speed: float,
+    speed: float | Motion,
     *,
     section: float = 0.5,
     recovery: str = "exact",
+    effect: Effect | str = "moment",
     name: str = "crossing",
 ) -> control.NonlinearIOSystem:
     """Return the crossing of a vehicle as a control system.
 
-    Time is zero when the reference tire is at the start of the bridge, x = c t. The system
+    Time is zero when the reference tire is at the start of the bridge. The system
     works in `control.interconnect`, in `control.linearize(sys, 0, t=...)` (frozen-time poles
     and Bode plots) and in `control.input_output_response`. Give the last one tolerances,
     ``solve_ivp_kwargs=dict(rtol=1e-9, atol=1e-12)``: at its defaults the DAF at 110 km/h
@@ -267,8 +255,12 @@ def crossing_system(
 
     Parameters
     ----------
-    beam, vehicle, speed, section, recovery
+    beam, vehicle
         See `Crossing`.
+    speed : float or Motion
+        Speed c [m/s], or a motion that is not uniform.
+    section, recovery, effect
+        Where 'moment' and 'deflection' are read, and how: see `bridgectl.daf`.
     name : str, optional
         Name of the system.
 
@@ -310,6 +302,42 @@ def crossing_system(
     >>> sorted({round(float(abs(pole)) / 6.2832, 2) for pole in mid_span.poles()})
     [0.46, 4.08, 6.91, 16.37, 36.83]
     """
-    crossing = Crossing(beam, vehicle, speed, section, recovery)
-    judge_crossing(crossing, crossing.speed)
-    return crossing.system(name)
+    crossing, motion = make_crossing(beam, vehicle, effect, section, recovery), as_motion(speed)
+    judge_crossing(crossing, motion.speed)
+    return crossing.system(motion, name)
+
+
+def make_crossing(
+    beam: BridgeModel,
+    vehicle: Vehicle | QuarterCar,
+    effect: Effect | str = "moment",
+    section: float = 0.5,
+    recovery: str = "exact",
+) -> Crossing:
+    """Return the crossing of an effect, or of its name with a section and a recovery."""
+    _require_pair(beam, vehicle)
+    return Crossing(beam, vehicle, as_effect(effect, beam, vehicle.linear, section, recovery))
+
+
+def require_factor(crossing: Crossing) -> None:
+    """Refuse an effect whose static peak is nothing: what is over it would be no factor."""
+    if crossing.static_peak == 0:
+        effect = crossing.effect
+        raise ValueError(
+            f"effect must have a static peak for a factor, and the {effect.sense} static "
+            f"{effect.label} of {effect!r} is 0 {effect.unit}: type peak_effect(...) for its peak"
+        )
+
+
+def _require_pair(beam: object, vehicle: object) -> None:
+    if not isinstance(beam, BridgeModel):
+        raise TypeError(
+            f"beam must be a bridgectl.Beam, got {type(beam).__name__}: type for example "
+            "bridgectl.Beam(25, 18358, 4.865e10), and the vehicle after it"
+        )
+    if not isinstance(vehicle, Vehicle | QuarterCar):
+        raise TypeError(
+            "vehicle must be a bridgectl.Vehicle or QuarterCar, "
+            f"got {type(vehicle).__name__}: type for example "
+            "bridgectl.QuarterCar(9000, 1000, 80e3, 1.8e6, 7e3), after the beam"
+        )

@@ -1,107 +1,306 @@
 """What is read from a crossing: load effects of the bridge, and what the vehicle feels.
 
-Each effect is a row of the states and tire forces, over the largest value that the same static
-loads give it. The acceleration, which has no static value, stays in m/s^2.
+An effect is a value: what, where, and of which sense its peak counts, largest or smallest.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
+from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.recovery import recover_moment
+from bridgectl.model.effect import Effect, EffectRows
+from bridgectl.model.recovery import RECOVERIES, recover_moment
 from bridgectl.model.vehicle import Vehicle, signals
 
 FINE = 2001
-"""Places of a vehicle among which the largest static deflection is looked for."""
+"""Places of a vehicle among which the peak of a static effect is looked for, beside the kinks."""
 
 
-def known_effects(vehicle: Vehicle) -> tuple[str, ...]:
-    """Return the names of the effects that a vehicle's crossing has."""
-    return ("moment", "deflection", *signals("tire_force", vehicle.n_tires), "acceleration")
+@dataclass(frozen=True, repr=False)
+class _AtSection(Effect):
+    """An effect at a place of the bridge; halfway if it is left open."""
+
+    at: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.at is not None:
+            object.__setattr__(self, "at", _checks.not_negative("at", self.at, unit="m"))
+
+    def _on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
+        if self.at is None:
+            return replace(self, at=bridge.length / 2)
+        if self.at > bridge.length:
+            raise ValueError(
+                f"at must be a place on the bridge, from 0 to {bridge.length:g} m, got "
+                f"{self.at:g} m: for halfway type at={bridge.length / 2:g}"
+            )
+        return self
+
+    def section(self, bridge: BridgeModel) -> float:
+        """Return the place as a fraction of the bridge's length.
+
+        Parameters
+        ----------
+        bridge
+            See `bridgectl.Crossing`.
+
+        Returns
+        -------
+        float
+            A fraction.
+        """
+        return 0.5 if self.at is None else self.at / bridge.length
 
 
-class EffectRows(NamedTuple):
-    """An effect is ``per_force @ R + per_state @ x + constant``."""
-
-    per_force: FloatArray
-    """Gain on the tire forces [1/N], shape (..., n_tires)."""
-    per_state: FloatArray
-    """Gain on vehicle and beam states, the same everywhere, shape (n_states,)."""
-    constant: float
-
-    def scaled(self, factor: float) -> EffectRows:
-        """Rows of `factor` times the effect."""
-        return EffectRows(factor * self.per_force, factor * self.per_state, factor * self.constant)
-
-
-def effect_rows(
-    beam: BridgeModel,
-    vehicle: Vehicle,
-    section: float,
-    recovery: str,
-    effect: str,
-    tires: FloatArray,
-) -> EffectRows:
-    """Rows of an effect with the tires at some places.
+@dataclass(frozen=True, repr=False)
+class Moment(_AtSection):
+    """Bending moment of the bridge at a place [N m], sagging positive.
 
     Parameters
     ----------
-    beam, vehicle, section, recovery
-        See `bridgectl.Crossing`.
-    effect : {'moment', 'deflection', 'tire_force', 'acceleration'}
-        Bending moment [N m] or modal deflection [m] at the section, tire force [N] ('tire_force_1',
-        ... of several tires), acceleration of the first vehicle coordinate [m/s^2].
-    tires : ndarray, shape (..., n_tires)
-        Positions of the tires [m].
+    at : float, optional
+        The place, from the start of the bridge [m]; halfway if omitted.
+    recovery : {'exact', 'li2006', 'modal'}, optional
+        How it is recovered from the truncated modes.
 
-    Returns
-    -------
-    EffectRows
+        - 'exact': tire forces through the static influence line plus the inertia and
+          damping forces of the modes. A few modes suffice.
+        - 'li2006': Eqs. (5)-(8) as printed, for the paper's own numbers.
+        - 'modal': curvature of the modes. Converges as 1 / n: for comparison only.
+
+        `bridgectl.model.recovery` has the formulas.
+    sense : {'largest', 'smallest'}, optional
+        Which peak counts: sagging or hogging.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not what is described above.
+
+    References
+    ----------
+    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eqs. (5)-(8).
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> bc.daf(bc.li2006.beam(), bc.li2006.car(), 30.0, effect=bc.Moment(at=10.0)).round(3)
+    array([0.981])
     """
-    n_vehicle = 2 * vehicle.n_coordinates
-    per_force = np.zeros_like(tires)
-    per_state = np.zeros(n_vehicle + 2 * beam.n_modes)
-    constant = 0.0
-    if effect == "moment":
-        per_force, per_state[n_vehicle:] = recover_moment(beam, section, recovery, tires)
-    elif effect == "deflection":
-        per_state[n_vehicle::2] = beam.mode_shapes(section * beam.length)
-    elif effect.startswith("tire_force"):
-        per_force[..., _tire(effect)] = 1.0
-    else:
-        rate = vehicle.velocities[0]
-        per_state[:n_vehicle] = rate @ vehicle.state_matrix
-        per_force = per_force + rate @ vehicle.tire_input
-        constant = -float(rate @ vehicle.tire_input @ vehicle.static_loads)
-    return EffectRows(per_force, per_state, constant)
+
+    recovery: str = field(default="exact", kw_only=True)
+    unit: ClassVar[str] = "N m"
+    label: ClassVar[str] = "bending moment"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _checks.choice("recovery", self.recovery, RECOVERIES)
+
+    def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
+        per_force, of_beam = recover_moment(bridge, self.section(bridge), self.recovery, tires)
+        return EffectRows(per_force, _of_states(vehicle, of_beam), 0.0)
+
+    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
+        section = self.section(bridge)
+        line = bridge.influence_line(_static_places(bridge, vehicle, section), section)
+        return np.asarray(line @ vehicle.static_loads)
 
 
-def static_peak(beam: BridgeModel, vehicle: Vehicle, section: float, effect: str) -> float:
-    """Largest value of an effect as the vehicle creeps across; 1 where there is none.
+@dataclass(frozen=True, repr=False)
+class Deflection(_AtSection):
+    """Deflection of the bridge at a place, that of its modes [m], positive downward.
 
-    The moment is piecewise linear in the place of the vehicle: its peak has a tire at the
-    section. The deflection is that of the same modes.
+    Parameters
+    ----------
+    at : float, optional
+        The place, from the start of the bridge [m]; halfway if omitted.
+    sense : {'largest', 'smallest'}, optional
+        Which peak counts: down or up.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not what is described above.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> bc.daf(bc.li2006.beam(), bc.li2006.car(), 30.0, effect=bc.Deflection()).round(3)
+    array([1.166])
     """
-    offsets, at = vehicle.tire_offsets, section * beam.length
-    if effect == "moment":
-        tires = at + offsets[:, np.newaxis] - offsets[np.newaxis, :]
-        return float(np.max(beam.influence_line(tires, section) @ vehicle.static_loads))
-    if effect == "deflection":
-        x = np.linspace(0.0, beam.length + offsets.max(), FINE)
+
+    unit: ClassVar[str] = "m"
+    label: ClassVar[str] = "deflection"
+
+    def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
+        shape = bridge.mode_shapes(self.section(bridge) * bridge.length)
+        return EffectRows(
+            np.zeros_like(tires), _of_states(vehicle, np.kron(shape, [1.0, 0.0])), 0.0
+        )
+
+    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
+        section = self.section(bridge)
         # Deflection at the section per force on the crest of each mode.
-        flexibility = beam.mode_shapes(at) / (beam.modal_masses * beam.omega**2)
-        line = beam.mode_shapes(x[:, np.newaxis] - offsets) @ flexibility
-        return float(np.max(line @ vehicle.static_loads))
-    if effect.startswith("tire_force"):
-        return float(vehicle.static_loads[_tire(effect)])
-    return 1.0
+        flexibility = bridge.mode_shapes(section * bridge.length)
+        flexibility = flexibility / (bridge.modal_masses * bridge.omega**2)
+        shapes = bridge.mode_shapes(_static_places(bridge, vehicle, section))
+        return np.asarray((shapes @ flexibility) @ vehicle.static_loads)
 
 
-def _tire(effect: str) -> int:
-    """Index of the tire that 'tire_force' or 'tire_force_2' names."""
-    number = effect.removeprefix("tire_force").lstrip("_")
-    return int(number) - 1 if number else 0
+@dataclass(frozen=True, repr=False)
+class TireForce(Effect):
+    """Force of a tire on the road [N].
+
+    Parameters
+    ----------
+    tire : int, optional
+        Which tire, counted from 1.
+    sense : {'largest', 'smallest'}, optional
+        Which peak counts.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not what is described above.
+
+    Examples
+    --------
+    The least tire force over the static one:
+
+    >>> import bridgectl as bc
+    >>> road = bc.utia_road().place_bridge(678).crop(-200, 25).detrend().resample(0.1)
+    >>> effect = bc.TireForce(sense="smallest")
+    >>> bc.daf(bc.li2006.beam(), bc.li2006.car(), 25.0, road, start=-200, effect=effect).round(2)
+    array([0.72])
+    """
+
+    tire: int = 1
+    unit: ClassVar[str] = "N"
+    label: ClassVar[str] = "tire force"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _checks.integer("tire", self.tire, at_least=1)
+
+    def _on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
+        if self.tire > vehicle.n_tires:
+            raise ValueError(f"tire must be one of the {vehicle.n_tires} tires, got {self.tire}")
+        return self
+
+    def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
+        per_force = np.zeros_like(tires)
+        per_force[..., self.tire - 1] = 1.0
+        return EffectRows(per_force, _of_states(vehicle, np.zeros(2 * bridge.n_modes)), 0.0)
+
+    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
+        return vehicle.static_loads[self.tire - 1 : self.tire]
+
+
+@dataclass(frozen=True, repr=False)
+class BodyAcceleration(Effect):
+    """Acceleration of a coordinate of the vehicle [m/s^2], downward: no static load gives any.
+
+    Parameters
+    ----------
+    coordinate : int, optional
+        Which coordinate, counted from 1: of a quarter-car the body, then the axle.
+    sense : {'largest', 'smallest'}, optional
+        Which peak counts: down or up.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not what is described above.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> effect = bc.BodyAcceleration()
+    >>> bc.peak_effect(bc.li2006.beam(), bc.li2006.car(), 30.0, effect=effect).round(3)
+    array([0.007])
+    """
+
+    coordinate: int = 1
+    unit: ClassVar[str] = "m/s^2"
+    label: ClassVar[str] = "acceleration"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _checks.integer("coordinate", self.coordinate, at_least=1)
+
+    def _on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
+        if self.coordinate > vehicle.n_coordinates:
+            known = ", ".join(f"{i} for {name}" for i, name in enumerate(vehicle.coordinates, 1))
+            raise ValueError(f"coordinate must be {known}, got {self.coordinate}")
+        return self
+
+    def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
+        rate = vehicle.velocities[self.coordinate - 1]
+        own, per_force = rate @ vehicle.state_matrix, rate @ vehicle.tire_input
+        constant = -float(per_force @ vehicle.static_loads)
+        per_state = np.append(own, np.zeros(2 * bridge.n_modes))
+        return EffectRows(np.zeros_like(tires) + per_force, per_state, constant)
+
+    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
+        return np.zeros(0)
+
+
+def as_effect(
+    effect: Effect | str,
+    bridge: BridgeModel,
+    vehicle: Vehicle,
+    section: float = 0.5,
+    recovery: str = "exact",
+) -> Effect:
+    """Return the effect that a value, or a name with a section and a recovery, stands for."""
+    place = _checks.fraction("section", section, bridge.length)
+    _checks.choice("recovery", recovery, RECOVERIES)
+    if isinstance(effect, Effect):
+        if place != 0.5:
+            raise ValueError(
+                f"section goes with the name of an effect, got {effect!r} and section={place:g}: "
+                f"type for example Moment(at={place * bridge.length:g})"
+            )
+        if recovery == "exact" or not isinstance(effect, Moment):
+            return effect.on(bridge, vehicle)
+        if effect.recovery not in ("exact", recovery):
+            raise ValueError(f"recovery is {recovery!r} and that of {effect!r}: leave one out")
+        return replace(effect, recovery=recovery).on(bridge, vehicle)
+    at = place * bridge.length
+    named: dict[str, Effect] = {
+        "moment": Moment(at, recovery=recovery),
+        "deflection": Deflection(at),
+        **{
+            name: TireForce(tire)
+            for tire, name in enumerate(signals("tire_force", vehicle.n_tires), 1)
+        },
+        "acceleration": BodyAcceleration(),
+    }
+    if not isinstance(effect, str):
+        raise TypeError(
+            f"effect must be one of {', '.join(map(repr, named))}, or as Moment(at=12.5), got "
+            f"{effect!r}; speeds go with daf(...), crossing_system(...) and others"
+        )
+    return named[_checks.choice("effect", effect, tuple(named))]
+
+
+def _of_states(vehicle: Vehicle, of_beam: FloatArray) -> FloatArray:
+    """A row of the beam's states as one of all states."""
+    return np.append(np.zeros(2 * vehicle.n_coordinates), of_beam)
+
+
+def _static_places(bridge: BridgeModel, vehicle: Vehicle, section: float) -> FloatArray:
+    """Places of the tires as the vehicle creeps across, shape (n, n_tires).
+
+    Where a tire is at a kink of the influence line is the peak of one of straight pieces.
+    """
+    offsets = vehicle.tire_offsets
+    at_kinks = np.add.outer(bridge.kinks(section), offsets).ravel()
+    x = np.concatenate([at_kinks, np.linspace(0.0, bridge.length + offsets.max(), FINE)])
+    return np.asarray(x[:, np.newaxis] - offsets)

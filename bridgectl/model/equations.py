@@ -1,4 +1,4 @@
-"""The motion of a vehicle and a beam that it crosses: a time-varying linear system.
+"""The equations of a vehicle and a bridge that it crosses: a linear system that varies with place.
 
 Signs: displacements, deflection and the road input r are positive downward, measured from
 static equilibrium on a level road, as in the paper. Roads come as elevations, positive
@@ -21,11 +21,13 @@ from bridgectl.model.vehicle import Vehicle, signals, vehicle_states
 
 @dataclass(frozen=True)
 class Equations:
-    """Equations of motion of a `bridgectl.Crossing`, which tells of its parameters and states."""
+    """Equations of motion of a `bridgectl.Crossing`, which tells of its parameters and states.
+
+    They vary with the position x of the reference tire: how it comes there is another matter.
+    """
 
     beam: BridgeModel
     vehicle: Vehicle | QuarterCar
-    speed: float
 
     @property
     def linear(self) -> Vehicle:
@@ -106,7 +108,7 @@ class Equations:
         return matrix
 
     def tire_input(self, x: float) -> FloatArray:
-        """Input matrix of the tire forces [N], with the beam's input map b(t).
+        """Input matrix of the tire forces [N], with the beam's input map b.
 
         The vehicle takes R - W, the beam R.
 
@@ -137,48 +139,47 @@ class Equations:
         rows = np.hstack([self.linear.hubs, -deflection])
         return np.asarray(self.linear.tire_stiffnesses[:, np.newaxis] * rows)
 
-    def state_matrix(self, t: float) -> FloatArray:
-        """A(t) with every tire in contact, of the states `state_labels` [m, m/s].
+    def state_matrix(self, x: float) -> FloatArray:
+        """A(x) with every tire in contact, of the states `state_labels` [m, m/s].
 
         Parameters
         ----------
-        t : float
-            Time [s] since the reference tire is at the start of the bridge.
+        x : float
+            Position of the reference tire [m].
 
         Returns
         -------
         ndarray, shape (n, n)
         """
-        x = self.speed * t
         return np.asarray(self.free_matrix + self.tire_input(x) @ self.tire_rows(x))
 
-    def road_matrix(self, t: float) -> FloatArray:
-        """B_r(t), input matrix of the road r [m] with every tire in contact.
+    def road_matrix(self, x: float) -> FloatArray:
+        """B_r(x), input matrix of the road r [m] with every tire in contact.
 
         Parameters
         ----------
-        t : float
-            Time [s]: see `state_matrix`.
+        x : float
+            Position of the reference tire [m].
 
         Returns
         -------
         ndarray, shape (n, n_tires)
         """
-        return np.asarray(-self.tire_input(self.speed * t) * self.linear.tire_stiffnesses)
+        return np.asarray(-self.tire_input(x) * self.linear.tire_stiffnesses)
 
-    def load_vector(self, t: float) -> FloatArray:
-        """b(t) W: what the static loads [N] on the beam add to the state derivative.
+    def load_vector(self, x: float) -> FloatArray:
+        """b(x) W: what the static loads [N] on the beam add to the state derivative.
 
         Parameters
         ----------
-        t : float
-            Time [s]: see `state_matrix`.
+        x : float
+            Position of the reference tire [m].
 
         Returns
         -------
         ndarray, shape (n,)
         """
-        on_beam = self.tire_input(self.speed * t) @ self.linear.static_loads
+        on_beam = self.tire_input(x) @ self.linear.static_loads
         on_beam[: self.n_vehicle] = 0.0
         return np.asarray(on_beam)
 
@@ -221,14 +222,14 @@ class Equations:
         return np.maximum(contact, 0.0)
 
     def dynamics(
-        self, t: float, state: FloatArray, road: FloatArray, damper_force: FloatArray
+        self, x: float, state: FloatArray, road: FloatArray, damper_force: FloatArray
     ) -> FloatArray:
         """State derivative, with the tires kept from pulling.
 
         Parameters
         ----------
-        t : float
-            Time [s]: see `state_matrix`.
+        x : float
+            Position of the reference tire [m].
         state : ndarray, shape (n,)
             The states `state_labels` [m, m/s].
         road : ndarray, shape (n_tires,)
@@ -242,7 +243,7 @@ class Equations:
             Rates of the states [m/s, m/s^2].
         """
         n = self.n_vehicle
-        shapes = self.tire_shapes(self.speed * t)
+        shapes = self.tire_shapes(x)
         force = self.contact_forces(state, road, shapes)
         rate = self.free_matrix @ state + self.damper_matrix @ damper_force
         # The static loads hold the vehicle in equilibrium; the beam feels all of R.

@@ -101,6 +101,18 @@ class QuarterCar:
         return self.linear.system()
 
 
+def require_quarter_car(
+    vehicle: object, why: str = "other vehicles have passive dampers only", name: str = "vehicle"
+) -> QuarterCar:
+    """Return a vehicle if it is a quarter-car; else refuse it, and tell why no other will do."""
+    if not isinstance(vehicle, QuarterCar):
+        raise TypeError(
+            f"{name} must be a QuarterCar, got {type(vehicle).__name__}: {why}, type for example "
+            "bridgectl.li2006.car()"
+        )
+    return vehicle
+
+
 def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -> Vehicle:
     """Return several vehicles on one lane as one `Vehicle`.
 

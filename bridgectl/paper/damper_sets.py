@@ -33,25 +33,7 @@ REACH = 20.0
 
 
 def known_dampers(beam: Beam, vehicle: QuarterCar) -> list[Damper]:
-    """Return the 23 that the formula was found with: library, constants, programs.
-
-    Parameters
-    ----------
-    beam, vehicle : Beam, QuarterCar
-        Bridge and vehicle, which some know.
-
-    Returns
-    -------
-    list of Damper
-        The vehicle's own damper first.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.paper.damper_sets import known_dampers
-    >>> len(known_dampers(bc.li2006.beam(), bc.li2006.car()))
-    23
-    """
+    """Return the 23 that the formula was found with: library, constants, programs."""
     thirds = beam.length * np.array([0.0, 0.32, 0.64])
     quarters = beam.length * np.array([0.0, 0.24, 0.48])
     strategies = [
@@ -65,35 +47,7 @@ def known_dampers(beam: Beam, vehicle: QuarterCar) -> list[Damper]:
 
 
 def unseen_dampers(beam: Beam, vehicle: QuarterCar) -> list[Damper]:
-    """Return laws that had no part in it: random gains and programs, scheduled, delayed, limited.
-
-    Parameters
-    ----------
-    beam, vehicle : Beam, QuarterCar
-        As `known_dampers`.
-
-    Returns
-    -------
-    list of Damper
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.paper.damper_sets import unseen_dampers
-    >>> for damper in unseen_dampers(bc.li2006.beam(), bc.li2006.car()):
-    ...     print(damper.strategy.name)
-    random gains 1
-    random gains 2
-    random program 1
-    random program 2
-    hybrid, 0.8 of 12 kN s/m
-    skyhook below 90 km/h, groundhook above
-    groundhook on the bridge alone
-    skyhook, 30 ms late
-    ADD, 5 to 15 kN s/m
-    bridgehook, 20 ms late
-    bridgehook, up to 6 kN
-    """
+    """Return laws without a part in it: random gains and programs, scheduled, delayed, limited."""
     rng = np.random.default_rng(SEED)
     x = np.linspace(-REACH, beam.length, 9)
     dampings = np.exp(rng.uniform(np.log(C_MIN), np.log(C_MAX), (2, x.size)))

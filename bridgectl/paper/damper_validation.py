@@ -19,6 +19,8 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import even_places
+from bridgectl._units import from_kmh
 from bridgectl.model.beam import Beam
 from bridgectl.paper import li2006
 from bridgectl.paper.damper_sets import known_dampers, unseen_dampers
@@ -34,7 +36,7 @@ SPANS, CLASSES = (15, 25, 35), ("A", "B")
 APPROACH = 60.0
 """Road before the bridge that is driven [m]."""
 
-SPEEDS = np.arange(60, 121, 5) / 3.6
+SPEEDS = from_kmh(np.arange(60.0, 121, 5))
 
 N_PAIRS, SEED = 60, 1306
 """Roads of each class, which have a mirror image each, and their seed."""
@@ -187,44 +189,11 @@ def validate_dampers(
     workers: int | None = None,
     progress: bool = True,
 ) -> tuple[DamperCase, ...]:
-    """Compare the class DAE of many dampers with their simulated mean DAF.
+    """Compare the class DAE of many dampers with their simulated mean DAF, by span and class.
 
-    The paper's truck crosses its bridges on roads of class A and B. With the defaults it takes some
-    ten minutes on two cores.
-
-    Parameters
-    ----------
-    speeds : float or array_like, optional
-        Speeds c [m/s]; 60 to 120 km/h every 5 km/h if omitted.
-    spans : sequence of int, optional
-        Spans [m]: see `bridgectl.li2006.beam`.
-    n_pairs : int, optional
-        Random roads of each class; each has its mirror image beside it.
-    approach : float, optional
-        Road before the bridge that is driven [m].
-    resume : path-like, optional
-        Files of this name, with the span in it, keep what is done: see `bridgectl.score`.
-    workers : int, optional
-        Processes at work. Default: as many as there are cores.
-    progress : bool, optional
-        Whether to show progress bars on a terminal.
-
-    Returns
-    -------
-    tuple of DamperCase
-        By span and class.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not what is described above, or a file is of another study.
-
-    Examples
-    --------
-    >>> from bridgectl.paper.damper_validation import validate_dampers
-    >>> cases = validate_dampers(25.0, spans=[9], n_pairs=2, approach=0, workers=1)
-    >>> [(case.road_class, case.daf.shape) for case in cases]
-    [('A', (34, 2, 2, 1)), ('B', (34, 2, 2, 1))]
+    The paper's truck crosses its bridges on `n_pairs` roads of class A and B and their mirror
+    images, at `speeds` [m/s] after an `approach` [m]; `resume` keeps what is done in a file for
+    each span.
     """
     c = check.speeds(SPEEDS if speeds is None else speeds)
     count = check.integer("n_pairs", n_pairs, at_least=2)
@@ -257,7 +226,7 @@ def _roads(beam: Beam, n_pairs: int, approach: float) -> list[RoadProfile]:
     found = []
     for number, name in enumerate(CLASSES):
         z = iso8608_elevations(n_pairs, name, length, RAMP_LENGTH, seed=SEED + number)
-        x = -approach + RAMP_LENGTH * np.arange(z.shape[1])
+        x = even_places(-approach, RAMP_LENGTH, z.shape[1])
         found += [RoadProfile(x, each, name=f"class {name}") for each in (*z, *-z)]
     return found
 

@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 
+from bridgectl._units import from_kmh
 from bridgectl.extremes import extreme_road
 from bridgectl.paper import li2006
 from bridgectl.paper.printed import SEGMENT, SPEEDS_KMH
@@ -61,7 +62,7 @@ def good_roads() -> tuple[RoadProfile, ...]:
     8 made for the smallest DAF: IRI 2.3 m/km
     """
     surface = ramp_surface(
-        li2006.beam(EXTREME_SPAN), li2006.car(), SPEEDS_KMH / 3.6,
+        li2006.beam(EXTREME_SPAN), li2006.car(), from_kmh(SPEEDS_KMH),
         approach=-FIRST, ramp_length=SEGMENT,
     )  # fmt: skip
     roads = [

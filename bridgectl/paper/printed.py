@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import from_kmh
 from bridgectl.paper import li2006
 from bridgectl.simulate import daf, ramp_surface
 from bridgectl.surface.surface import RampSurface
@@ -90,21 +91,6 @@ def paper_results() -> PaperResults:
 
     The bridge and truck of Table 1, three modes, no damping, the paper's own moment recovery,
     and a vehicle in equilibrium at the start of the bridge.
-
-    Returns
-    -------
-    PaperResults
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Section 3.
-
-    Examples
-    --------
-    >>> from bridgectl.paper.printed import paper_results
-    >>> first = paper_results().rows[0]
-    >>> print(f"{first.what}: printed {first.printed}, computed {first.computed:.4f}")
-    smooth road, 110 km/h: DAF: printed 1.1302, computed 1.1302
     """
     unit, tall = _surface(1e-3), _surface(1e-2)
     rows = _smooth_rows(unit) + _unit_ramp_rows(unit) + _fig7_rows(unit) + _tall_ramp_rows(tall)
@@ -115,7 +101,7 @@ def _surface(ramp_height: float) -> RampSurface:
     return ramp_surface(
         li2006.beam(),
         li2006.car(),
-        SPEEDS_KMH / 3.6,
+        from_kmh(SPEEDS_KMH),
         ramp_length=SEGMENT,
         ramp_height=ramp_height,
         recovery=RECOVERY,

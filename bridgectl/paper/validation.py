@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._progress import track
+from bridgectl._units import from_kmh, to_kmh
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import linear_contact, prepare
 from bridgectl.model.crossing import Crossing
@@ -50,7 +51,7 @@ class Peak(NamedTuple):
     """Where it is [m/s]."""
 
     def __repr__(self) -> str:
-        return f"Peak({self.value:.4f} at {self.speed * 3.6:g} km/h)"
+        return f"Peak({self.value:.4f} at {to_kmh(self.speed):g} km/h)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +88,8 @@ class Case:
     def __repr__(self) -> str:
         return (
             f"Case(road {self.road} on {self.span:g} m after {self.approach:g} m, peak DAF "
-            f"{self.daf_peak.value:.4f} at {self.daf_peak.speed * 3.6:g} km/h, peak DAE "
-            f"{self.dae_peak.value:.4f} at {self.dae_peak.speed * 3.6:g} km/h)"
+            f"{self.daf_peak.value:.4f} at {to_kmh(self.daf_peak.speed):g} km/h, peak DAE "
+            f"{self.dae_peak.value:.4f} at {to_kmh(self.dae_peak.speed):g} km/h)"
         )
 
     @property
@@ -176,7 +177,7 @@ class ValidationResults:
     light: WarningLight
 
     def __repr__(self) -> str:
-        kmh = self.speeds * 3.6
+        kmh = to_kmh(self.speeds)
         return (
             f"ValidationResults({len(self.cases)} cases of {len(self.roads)} roads, {kmh.size} "
             f"speeds from {kmh.min():g} to {kmh.max():g} km/h, median difference of peaks "
@@ -237,50 +238,14 @@ def validate(
     """Compare DAE and superposed DAF with the simulated DAF, as Section 4 of the paper does.
 
     The paper's truck crosses its bridges (15 m solid, 25 m Y-beam, 35 m super-Y-beam; undamped,
-    three modes, exact recovery), from rest where the bridge begins or after an approach.
+    three modes, exact recovery) at `speeds` [m/s], from rest where the bridge begins or after an
+    approach [m] of `starts`; the warning light is tried on `n_random` random roads.
 
-    Parameters
-    ----------
-    speeds : float or array_like, optional
-        Speeds c [m/s]; 50 to 150 km/h every 1 km/h if omitted.
-    spans : sequence of int, optional
-        Spans [m]: see `bridgectl.li2006.beam`.
-    starts : sequence of float, optional
-        Lengths of the approach [m].
-    roads : sequence of RoadProfile, optional
-        Roads over the longest approach and span; `good_roads` if omitted.
-    n_random : int, optional
-        Number of random roads that the warning light is tried on.
-    progress : bool, optional
-        Whether to show a progress bar on a terminal.
-
-    Returns
-    -------
-    ValidationResults
-
-    Raises
-    ------
-    TypeError, ValueError
-        If a parameter has the wrong kind or range, or a road does not cover approach and bridge.
-
-    Notes
-    -----
     The moment of the static load has a kink at mid-span. While it holds the peak there, with each
     ramp and with the road, DAF is linear in the road and the DAE is exact. Where it does not, as
     on the short bridge, the DAE falls short: a maximum is convex in the road.
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Section 4, Figs. 8, 9, 11.
-
-    Examples
-    --------
-    >>> from bridgectl.paper.validation import validate
-    >>> results = validate([29.0, 30.0], spans=[25], starts=[0], n_random=10)
-    >>> len(results.cases), f"{results.median_difference:.4f}"
-    (8, '0.0000')
     """
-    c = check.speeds(SPEEDS_KMH / 3.6 if speeds is None else speeds)
+    c = check.speeds(from_kmh(SPEEDS_KMH) if speeds is None else speeds)
     if not len(spans) or not len(starts) or (roads is not None and not len(roads)):
         raise ValueError("spans, starts and roads must hold one value each at least")
     approaches = [check.not_negative("starts", start, unit="m") for start in starts]
@@ -351,7 +316,7 @@ def _simulated(surface: RampSurface, road: RoadProfile) -> tuple[FloatArray, boo
 def _flights(surface: RampSurface, road: RoadProfile) -> tuple[NDArray[np.bool_], float | None]:
     """At which speeds a tire leaves the road, and the first place of any of them [m]."""
     beam, vehicle, start = surface.beam, surface.vehicle, -surface.approach
-    run = prepare(Crossing(beam, vehicle, float(surface.speeds[0])), road, start)
+    run = prepare(Crossing(beam, vehicle), road, start)
     flying = ~linear_contact(run, surface.speeds)
     places = []
     for speed in surface.speeds[flying]:

@@ -1,32 +1,16 @@
 """Every figure, in one look.
 
-The functions return axes or figures and leave `matplotlib.pyplot` alone: save with
-``figure.savefig(path)``, or ``axes.figure.savefig(path)``. They import nothing of what they draw,
-and `bridgectl.plots.shown` says what that must have: any result may draw itself.
+What can be drawn has a method ``plot``; two figures of a ramp surface that need more are here.
+They return figures and leave `matplotlib.pyplot` alone: save with ``figure.savefig(path)``. The
+modules import nothing of what they draw, and `bridgectl.plots.shown` says what that must have.
 """
 
+from bridgectl._gone import no_attribute
 from bridgectl.plots.dae import dae_figure
-from bridgectl.plots.damper_validation import damper_validation_figure
-from bridgectl.plots.effects import effects_figure
-from bridgectl.plots.paper import paper_figure
-from bridgectl.plots.ramp_heights import ramp_height_figure
-from bridgectl.plots.roads import pair_figure, profile_figure, psd_plot
-from bridgectl.plots.scores import score_figure
-from bridgectl.plots.surface import lines_plot, smooth_daf_plot, surface_plot
-from bridgectl.plots.validation import validation_figure
+from bridgectl.plots.surface import effects_figure
 
-__all__ = [
-    "dae_figure",
-    "damper_validation_figure",
-    "effects_figure",
-    "lines_plot",
-    "pair_figure",
-    "paper_figure",
-    "profile_figure",
-    "psd_plot",
-    "ramp_height_figure",
-    "score_figure",
-    "smooth_daf_plot",
-    "surface_plot",
-    "validation_figure",
-]
+__all__ = ["dae_figure", "effects_figure"]
+
+
+def __getattr__(name: str) -> object:
+    raise no_attribute(__name__, name)

@@ -13,6 +13,7 @@ from matplotlib.markers import CARETUP
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import to_kmh
 from bridgectl.plots.shown import BeamShown, RoadShown
 from bridgectl.plots.style import (
     BLACK,
@@ -49,7 +50,7 @@ COILS, POINTS = 6, 201
 """Coils of the spring, and points of the bridge besides the road's stations: one at mid-span."""
 
 
-class Motion(NamedTuple):
+class DrawnCrossing(NamedTuple):
     """What is drawn, at every point of the curves [SI units]; displacements are downward."""
 
     beam: BeamShown
@@ -77,7 +78,7 @@ class Motion(NamedTuple):
 
 
 @styled
-def draw_crossing(motion: Motion, fps: float) -> FuncAnimation:
+def draw_crossing(motion: DrawnCrossing, fps: float) -> FuncAnimation:
     """Draw what `bridgectl.animation.crossing_animation` simulated, at some frames per second."""
     scene, x = _Scene(motion), motion.x
     frames = (x.size - 1) // BETWEEN + 1
@@ -90,7 +91,7 @@ def draw_crossing(motion: Motion, fps: float) -> FuncAnimation:
 class _Scene:
     """The figure, and what moves in it."""
 
-    def __init__(self, motion: Motion) -> None:
+    def __init__(self, motion: DrawnCrossing) -> None:
         self.motion, self.span, road = motion, motion.beam.length, motion.road
         span = self.span
         self.window = (-BEFORE * span, (1 + AFTER) * span)
@@ -123,7 +124,7 @@ class _Scene:
     def name(self, slower: float) -> None:
         """Write the title, and the scales of what is drawn."""
         shown = f"{slower:.2g} times slower" if slower >= 1 else f"{1 / slower:.2g} times faster"
-        kmh = self.motion.speed * 3.6
+        kmh = to_kmh(self.motion.speed)
         self.scene.set_title(f"{kmh:.4g} km/h over a bridge of {self.span:g} m, {shown} than it is")
         self.scene.text(
             0.995, 0.97,

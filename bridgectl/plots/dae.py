@@ -9,6 +9,7 @@ from matplotlib.markers import CARETUP
 from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import to_kmh
 from bridgectl.plots.shown import RoadShown, SurfaceShown
 from bridgectl.plots.style import (
     BLACK,
@@ -32,12 +33,9 @@ MARKED = 10
 
 @styled
 def dae_figure(
-    surface: SurfaceShown,
-    road: RoadShown,
-    *,
-    superposed: ArrayLike | None = None,
+    surface: SurfaceShown, road: RoadShown, *, superposed: ArrayLike | None = None,
     simulated: ArrayLike | None = None,
-) -> Figure:
+) -> Figure:  # fmt: skip
     """Draw what a road does to a bridge: DAF and DAE over speed, the road, and its ramps.
 
     Parameters
@@ -73,7 +71,7 @@ def dae_figure(
     exact = np.asarray(surface.superposed_daf(road) if superposed is None else superposed)
     known = exact if simulated is None else np.asarray(simulated)
     critical = int(known.argmax())
-    kmh, effects = surface.speeds[critical] * 3.6, surface.contributions(road)[critical]
+    kmh, effects = to_kmh(surface.speeds[critical]), surface.contributions(road)[critical]
     figure = Figure(figsize=(10.0, 9.2), layout="constrained")
     # A dollar sign in the name of a file is no formula.
     title = f"{road.name or 'road'}: amplification on a bridge of {_span(surface)}"
@@ -98,13 +96,9 @@ def dae_figure(
 
 
 def _draw_speeds(
-    ax: Axes,
-    surface: SurfaceShown,
-    road: RoadShown,
-    superposed: FloatArray,
-    simulated: ArrayLike | None,
-    critical: int,
-) -> None:
+    ax: Axes, surface: SurfaceShown, road: RoadShown, superposed: FloatArray,
+    simulated: ArrayLike | None, critical: int,
+) -> None:  # fmt: skip
     def curve(values: ArrayLike, label: str, color: str, style: str, width: float) -> None:
         x, y = curve_of(surface, values)
         ax.plot(x, y, style, color=color, lw=width, label=label, ms=width + 2, **dots_of(surface))
@@ -116,8 +110,8 @@ def _draw_speeds(
         curve(simulated, "simulated DAF", BLACK, "-", 1.3)
     dae = surface.dae(road)
     curve(dae, "DAE", VERMILLION, "--", 1.8)
-    kmh, peak = surface.speeds[critical] * 3.6, known[critical]
-    in_left_half = kmh <= 3.6 * (surface.speeds.min() + surface.speeds.max()) / 2
+    kmh, peak = to_kmh(surface.speeds[critical]), known[critical]
+    in_left_half = kmh <= to_kmh((surface.speeds.min() + surface.speeds.max()) / 2)
     ax.axvline(kmh, color=GREY, lw=0.9, zorder=1)
     ax.annotate(
         f"critical speed {kmh:.4g} km/h, DAF {peak:.3f}",

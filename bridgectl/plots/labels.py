@@ -30,31 +30,13 @@ OVERLAP, OUTSIDE, ON_POINT, ON_LINE, CROSSED = 1e3, 1e4, 1e3, 20.0, 150.0
 
 
 def label_points(
-    ax: Axes,
-    points: FloatArray,
-    texts: Sequence[str],
-    *,
-    obstacles: FloatArray,
-    curve: FloatArray,
-    colors: Sequence[str],
-    size: float = 8.0,
-) -> None:
-    """Write a label beside each point.
+    ax: Axes, points: FloatArray, texts: Sequence[str], *, obstacles: FloatArray, curve: FloatArray,
+    colors: Sequence[str], size: float = 8.0,
+) -> None:  # fmt: skip
+    """Write a label of some size [points] beside each of the points (n, 2), in data coordinates.
 
-    The axes must have their limits and their place in the figure: no layout may move them later.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Where the points are.
-    points : ndarray, shape (n, 2)
-        What is labelled, in data coordinates.
-    texts, colors : sequence of str
-        The labels and their colours.
-    obstacles, curve : ndarray, shapes (m, 2) and (k, 2)
-        Points that no label may cover, and corners of a curve that labels should keep off.
-    size : float, optional
-        Of the letters [points].
+    No label covers an obstacle (m, 2), and labels keep off the corners (k, 2) of a curve. The axes
+    must have their limits and their place in the figure: no layout may move them later.
     """
     scale = 72.0 / ax.figure.dpi
     at, points_at = (ax.transData.transform(p) * scale for p in (points, obstacles))
@@ -111,16 +93,10 @@ def _place(
 
 
 def _cost(
-    point: FloatArray,
-    choices: FloatArray,
-    size: FloatArray,
-    centres: FloatArray,
-    sizes: FloatArray,
-    points: FloatArray,
-    obstacles: FloatArray,
-    curve: FloatArray,
+    point: FloatArray, choices: FloatArray, size: FloatArray, centres: FloatArray,
+    sizes: FloatArray, points: FloatArray, obstacles: FloatArray, curve: FloatArray,
     frame: FloatArray,
-) -> FloatArray:
+) -> FloatArray:  # fmt: skip
     """What each choice of one label covers, crosses, or leaves."""
     half = size / 2 + GAP
     outside = (np.abs(choices - frame.mean(axis=0)) + half > np.ptp(frame, axis=0) / 2).any(axis=1)

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bridgectl._units import to_kmh
 from bridgectl.plots.shown import RampHeightsShown
 from bridgectl.plots.style import BLACK, BLUE, GREY, SKY, VERMILLION, styled
 
@@ -22,36 +23,8 @@ def ramp_height_figure(found: Sequence[RampHeightsShown]) -> Figure:
     One panel for each damper: the simulated DAF of a ramp that falls or rises, Eq. (15), which is
     the straight line of a 1 mm drop, and the DAE of order 2, the parabola through the smooth road
     and the points u+ and u- of a drop and a rise of height h. The even part e, what drop and rise
-    have in common, is marked on the smooth road.
-
-    Parameters
-    ----------
-    found : sequence of RampHeights
-        Of each damper, at one place and speed: see `bridgectl.ramp_heights`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    TypeError
-        If `found` is no list of such results.
-    ValueError
-        If they are of several places or speeds.
-
-    Examples
-    --------
-    A typical place and speed: bridgehook has larger even effects at half of all, and smaller ones.
-
-    >>> import bridgectl as bc
-    >>> from bridgectl.dampers import bridgehook, passive
-    >>> from bridgectl.plots import ramp_height_figure
-    >>> beam, car = bc.li2006.beam(), bc.li2006.car()
-    >>> laws = [passive(7e3), bridgehook(beam, car, 1e3, 30e3)]
-    >>> figure = ramp_height_figure([bc.ramp_heights(beam, car, law, 25.0, -35.0) for law in laws])
-    >>> [axes.get_title(loc="left").splitlines()[0] for axes in figure.axes]
-    ['passive 7 kN s/m', 'bridgehook']
+    have in common, is marked on the smooth road. A typical place and speed: bridgehook has larger
+    even effects at half of all, and smaller ones.
     """
     place = _one_place(found)
     rows, columns = -(-len(found) // IN_A_ROW), min(len(found), IN_A_ROW)
@@ -85,7 +58,7 @@ def _one_place(found: object) -> str:
             "example [bridgectl.ramp_heights(beam, vehicle, damper, speed, place)]"
         )
     first, *others = dict.fromkeys(
-        f"x = {one.place:.4g} m from the start of the bridge, {one.speed * 3.6:.4g} km/h"
+        f"x = {one.place:.4g} m from the start of the bridge, {to_kmh(one.speed):.4g} km/h"
         for one in listed
     )
     if others:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import to_kmh
 from bridgectl.plots.shown import LineShown, PairShown, PsdShown, RoadShown
 from bridgectl.plots.style import (
     BRIDGE_TINT,
@@ -26,31 +27,7 @@ FILE_STATION_LABEL = "station [m]"
 
 @styled
 def profile_figure(roads: Sequence[RoadShown], segment: float = 100.0) -> Figure:
-    """Draw the tracks of a road: elevation, IRI of each segment, and spectrum.
-
-    Parameters
-    ----------
-    roads : sequence of RoadProfile
-        The tracks, evenly spaced.
-    segment : float, optional
-        Length of the segments [m].
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ValueError
-        If a road is shorter than the segment, or not evenly spaced.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.plots import profile_figure
-    >>> [axes.get_ylabel() for axes in profile_figure([bc.utia_road()]).axes]
-    ['elevation, up [mm]', 'IRI [m/km]', 'power spectral density $G_d$ [m³]']
-    """
+    """Draw the tracks of a road: elevation, IRI of each segment [m], and spectrum."""
     figure = Figure(figsize=(10.0, 8.4), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.35, 1))
     above = figure.add_subplot(grid[0, 0])
@@ -81,30 +58,7 @@ def profile_figure(roads: Sequence[RoadShown], segment: float = 100.0) -> Figure
 
 @styled
 def psd_plot(psd: PsdShown, ax: Axes | None = None) -> Axes:
-    """Draw the spectrum of a road over the classes of ISO 8608.
-
-    Parameters
-    ----------
-    psd : RoadPsd
-        See `RoadProfile.psd`.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure if omitted.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    References
-    ----------
-    ISO 8608:2016, Annex B.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.plots import psd_plot
-    >>> psd_plot(bc.utia_road().psd()).get_xlabel()
-    'wave number n [cycles/m]'
-    """
+    """Draw the spectrum of a road over the classes of ISO 8608:2016, Annex B."""
     ax = new_axes(ax)
     _draw_spectra(ax, [psd])
     return ax
@@ -116,41 +70,12 @@ def pair_figure(
 ) -> Figure:
     """Draw two roads of one IRI and one spectrum, and their DAF over speed: Fig. 3 of the paper.
 
-    Parameters
-    ----------
-    pair : EqualRoughnessPair
-        See `bridgectl.extremes.equal_roughness_pair`.
-    speeds : array_like, shape (n_speeds,)
-        Speeds [m/s].
-    daf : array_like, shape (2, n_speeds)
-        DAF of both roads.
-    smooth : array_like, optional
-        DAF of a smooth road, shape (n_speeds,).
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Fig. 3.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.extremes import equal_roughness_pair
-    >>> from bridgectl.plots import pair_figure
-    >>> speeds = [22.0, 25.0]
-    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), speeds)
-    >>> pair = equal_roughness_pair(surface, bc.iso8608_profile("A", 25, seed=1), 25.0)
-    >>> figure = pair_figure(pair, speeds, surface.superposed_daf([pair.first, pair.second]))
-    >>> [axes.get_ylabel() for axes in figure.axes]
-    ['elevation, up [mm]', '$G_d$ [m³]', 'DAF [-]']
+    `daf` of both roads has shape (2, n_speeds), that of a `smooth` road (n_speeds,); speeds in m/s.
     """
     figure = Figure(figsize=(10.0, 7.4), layout="constrained")
     panels = figure.subplot_mosaic([["roads", "roads"], ["spectra", "daf"]], height_ratios=(1, 1.3))
     roads, colors = (pair.first, pair.second), _colors(2)
-    kmh = np.asarray(speeds) * 3.6
+    kmh = to_kmh(np.asarray(speeds))
     for i, (road, color) in enumerate(zip(roads, colors, strict=True)):
         label = f"case {i + 1}: IRI {pair.iri[i]:.2f} m/km"
         panels["roads"].plot(road.x, 1e3 * road.elevation, color=color, lw=1.2, label=label)
@@ -160,19 +85,17 @@ def pair_figure(
         panels["spectra"].loglog(psd.wavenumber, psd.density, **look)
     if smooth is not None:
         panels["daf"].plot(kmh, smooth, ":", color=GREY, lw=1.8, label="smooth road")
-    panels["daf"].axvline(pair.speed * 3.6, color=GREY, lw=0.9, zorder=1)
+    panels["daf"].axvline(to_kmh(pair.speed), color=GREY, lw=0.9, zorder=1)
     panels["daf"].set(
         xlabel=SPEED_LABEL, ylabel="DAF [-]",
-        title=f"made to differ at {pair.speed * 3.6:.4g} km/h",
+        title=f"made to differ at {to_kmh(pair.speed):.4g} km/h",
     )  # fmt: skip
     panels["roads"].axvspan(0, float(roads[0].x[-1]), color=BRIDGE_TINT, zorder=0)
     panels["roads"].set(
         xlabel=STATION_LABEL, ylabel="elevation, up [mm]", title="two roads of equal roughness"
     )
     panels["spectra"].set(
-        xlabel="wave number [cycles/m]",
-        ylabel="$G_d$ [m³]",
-        title="with one periodogram",
+        xlabel="wave number [cycles/m]", ylabel="$G_d$ [m³]", title="with one periodogram"
     )
     panels["spectra"].set_ylim(_range([psd.density[psd.wavenumber <= psd.band[1]]]))
     for panel in panels.values():

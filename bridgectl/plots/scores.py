@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,10 +11,20 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import to_kmh
 from bridgectl.plots.labels import label_points
-from bridgectl.plots.score_dae import draw_class_dae, draw_gains
 from bridgectl.plots.shown import BoardShown
-from bridgectl.plots.style import BLACK, BLUE, GREY, SPEED_LABEL, TRACKS, VERMILLION, styled
+from bridgectl.plots.style import (
+    BLACK,
+    BLUE,
+    BRIDGE_TINT,
+    GREY,
+    SPEED_LABEL,
+    STATION_LABEL,
+    TRACKS,
+    VERMILLION,
+    styled,
+)
 
 DAF_LABEL = "mean DAF [-]"
 
@@ -41,36 +51,12 @@ def score_figure(board: BoardShown) -> Figure:
     """Draw what strategies do to a bridge, against what they do to ride and road.
 
     Above: mean DAF of each strategy against body acceleration and dynamic load coefficient, with
-    the line of the constant dampers. Below: mean DAF over the speed; DAEs over the mean DAF, of
-    each road class and by Eq. (15); and where along the road ramps of both signs raise or lower
-    the DAF for the best, the first and the worst strategy: the area under a line is what the class
-    adds to the DAF of a smooth road. If no class has a surface: Eq. (15) over the speed instead.
-
-    Parameters
-    ----------
-    board : Scoreboard
-        See `bridgectl.score`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    References
-    ----------
-    C. Poussot-Vassal, C. Spelta, O. Sename, S. M. Savaresi, L. Dugard, Annual Reviews in Control 36
-    (2012) 148-160: strategies as points beside the line of the constant dampers.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.dampers import passive
-    >>> from bridgectl.plots import score_figure
-    >>> board = bc.score(
-    ...     [passive(7e3), passive(1e3)], bc.li2006.beam(), bc.li2006.car(),
-    ...     [bc.iso8608_profile("A", 35, seed=0, start=-10)], 25.0, approach=10, workers=1)
-    >>> [axes.get_xlabel() for axes in score_figure(board).axes]
-    ['mean DAF [-]', 'mean DAF [-]', 'speed [km/h]', 'mean DAF [-]', 'x from the start of the \
-bridge [m]']
+    the line of the constant dampers, as C. Poussot-Vassal, C. Spelta, O. Sename, S. M. Savaresi and
+    L. Dugard draw it, Annual Reviews in Control 36 (2012) 148-160. Below: mean DAF over the speed;
+    DAEs over the mean DAF, of each road class and by Eq. (15); and where along the road ramps of
+    both signs raise or lower the DAF for the best, the first and the worst strategy: the area under
+    a line is what the class adds to the DAF of a smooth road. If no class has a surface: Eq. (15)
+    over the speed instead.
     """
     figure = Figure(figsize=(11.5, 9.8))
     looks = _looks(board)
@@ -108,11 +94,11 @@ bridge [m]']
 
 
 def _draw_second_order(axes: Sequence[Axes], board: BoardShown, looks: dict[str, _Look]) -> None:
-    draw_class_dae(axes[0], board, {name: look.color for name, look in looks.items()})
+    _draw_class_dae(axes[0], board, {name: look.color for name, look in looks.items()})
     axes[0].set_title("DAE beside simulated DAF")
     rows, roughest = board.rows(), max(board.surfaces)
     told = dict.fromkeys([rows[0].strategy, board.strategies[0], rows[-1].strategy])
-    draw_gains(axes[1], board, roughest, {name: looks[name].color for name in told})
+    _draw_gains(axes[1], board, roughest, {name: looks[name].color for name in told})
     axes[1].set_title(f"where ramps of class {roughest} act")
 
 
@@ -181,7 +167,7 @@ def _color(name: str, looks: dict[str, _Look]) -> str:
 def _draw_speeds(ax: Axes, board: BoardShown, measure: str, looks: dict[str, _Look]) -> None:
     """A measure over the speed, averaged over the roads."""
     order = np.argsort(board.speeds)
-    kmh: FloatArray = board.speeds[order] * 3.6
+    kmh: FloatArray = to_kmh(board.speeds[order])
     for name, values in zip(board.strategies, board.values[measure], strict=True):
         y = values.mean(axis=0)[order]
         look = looks.get(name)
@@ -194,3 +180,48 @@ def _draw_speeds(ax: Axes, board: BoardShown, measure: str, looks: dict[str, _Lo
         ax.plot(kmh, y, label=name, **style)
     ax.margins(x=0.02)
     ax.set_xlabel(SPEED_LABEL)
+
+
+MARKERS = "os^vD"
+"""Of road classes."""
+
+
+def _draw_class_dae(ax: Axes, board: BoardShown, colors: Mapping[str, str]) -> None:
+    """Draw every strategy's class DAE, and mean of Eq. (15), over its simulated mean DAF."""
+    rankings, classes = board.rankings(), np.array(board.road_classes)
+    for name, marker in zip(board.surfaces, MARKERS, strict=False):
+        rows = {row.strategy: row for row in board.class_rows(name)}
+        daf, dae = np.array([(rows[each].daf, rows[each].dae) for each in board.strategies]).T
+        eq_15 = board.values["dae"][:, classes == name].mean(axis=(1, 2))
+        # Of a class these two are ranked first, and then the spread.
+        ranked = (each for each in rankings if each.roads == f"class {name}")
+        for fill, (values, ranking) in enumerate(zip((eq_15, dae), ranked, strict=False)):
+            told, tau = f"{ranking.estimate}, class {name}", ranking.agreement.tau
+            told += "" if np.isnan(tau) else f": tau {tau:.2f}"
+            ax.plot([], [], marker, color=GREY, mfc=GREY if fill else "white", ms=5, label=told)
+            for each, x, y in zip(board.strategies, daf, values, strict=True):
+                color = colors.get(each, GREY)
+                face = color if fill else "white"
+                ax.plot(x, y, marker, color=color, mfc=face, ms=6 if fill else 4.5, zorder=2 + fill)
+    ends = np.array([ax.dataLim.intervalx, ax.dataLim.intervaly])
+    ends = np.array([ends.min(), ends.max()])
+    ax.plot(ends, ends, color=BLACK, lw=0.8, ls=":", zorder=1)
+    ax.set(xlabel="mean DAF [-]", ylabel="mean DAE [-]")
+    ax.margins(0.06)
+    ax.locator_params(axis="x", nbins=5)
+    ax.legend(loc="upper left", fontsize=8, handletextpad=0.2, borderaxespad=0.2)
+
+
+def _draw_gains(ax: Axes, board: BoardShown, road_class: str, colors: Mapping[str, str]) -> None:
+    """Draw what a class adds to the DAE for each metre of road: the area is all it adds."""
+    for name, color in colors.items():
+        surface = board.surfaces[road_class][board.strategies.index(name)]
+        x = surface.positions[:: surface.every]
+        # The unit ramp has the variance of all ramps together: each has its share of that.
+        length = len(surface.positions) * surface.ramp_length
+        density = surface.even_effect[:, :: surface.every].mean(axis=0) / length
+        ax.plot(x, 1e3 * density, color=color, lw=1.6, label=name)
+    ax.axhline(0, color=BLACK, lw=0.8)
+    ax.axvspan(0, board.beam.length, color=BRIDGE_TINT, zorder=0)
+    ax.set(xlabel=STATION_LABEL, ylabel="added to the DAF by a metre of road [0.001/m]")
+    ax.margins(x=0.01)

@@ -15,7 +15,7 @@ from bridgectl._checks import FloatArray
 
 
 class LineShown(Protocol):
-    """A straight line of ISO 8608 through spectra: see `bridgectl.road.PsdFit`."""
+    """A straight line of ISO 8608 through spectra: see `bridgectl.road.psd.PsdFit`."""
 
     @property
     def roughness(self) -> float: ...
@@ -66,7 +66,7 @@ class RoadShown(Protocol):
 
 
 class PairShown(Protocol):
-    """Two roads of equal roughness: see `bridgectl.extremes.EqualRoughnessPair`."""
+    """Two roads of equal roughness: see `bridgectl.extremes.pairs.EqualRoughnessPair`."""
 
     @property
     def first(self) -> RoadShown: ...
@@ -104,6 +104,8 @@ class SurfaceShown(Protocol):
     @property
     def positions(self) -> FloatArray: ...
     @property
+    def quantity(self) -> tuple[str, str]: ...
+    @property
     def daf_smooth(self) -> FloatArray: ...
     @property
     def daf_unit(self) -> FloatArray: ...
@@ -132,7 +134,7 @@ class PaperShown(Protocol):
 
 @runtime_checkable
 class RampHeightsShown(Protocol):
-    """One ramp of many heights: see `bridgectl.dampers.RampHeights`."""
+    """One ramp of many heights: see `bridgectl.ramp_heights`."""
 
     @property
     def damper(self) -> str: ...

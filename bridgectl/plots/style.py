@@ -17,19 +17,11 @@ BLACK, GREY = "#222222", "#8a8a8a"
 GROUND, PAVEMENT, DECK, BRIDGE_TINT = "#ddd8cc", "#aeb8bf", "#3f4a52", "#edf4f9"
 
 STYLE: Any = {
-    "font.size": 10.0,
-    "axes.titlesize": 10.5,
-    "axes.titlelocation": "left",
-    "axes.edgecolor": GREY,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.axisbelow": True,
-    "axes.grid": True,
+    "font.size": 10.0, "axes.titlesize": 10.5, "axes.titlelocation": "left", "axes.edgecolor": GREY,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True, "axes.grid": True,
     "grid.color": "#e4e4e4",
-    "grid.linewidth": 0.7,
-    "legend.frameon": False,
-    "savefig.dpi": 160.0,
-}
+    "grid.linewidth": 0.7, "legend.frameon": False, "savefig.dpi": 160.0,
+}  # fmt: skip
 
 SPEED_LABEL = "speed [km/h]"
 PLACE_LABEL = "start of the ramp, x/l [-]"

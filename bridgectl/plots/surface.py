@@ -1,4 +1,4 @@
-"""Figures of a ramp surface: DAF of a smooth road and of a ramp, by its place and the speed."""
+"""Figures of ramp surfaces: DAFs by place and speed, Figs. 2, 5 and 6 of the paper, effects."""
 
 from __future__ import annotations
 
@@ -8,12 +8,22 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import CenteredNorm
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
-from bridgectl.plots.shown import SurfaceShown
-from bridgectl.plots.style import BLACK, PLACE_LABEL, SPEED_LABEL, TRACKS, new_axes, styled
+from bridgectl._units import to_kmh
+from bridgectl.plots.shown import PaperShown, RoadShown, SurfaceShown
+from bridgectl.plots.style import (
+    BLACK,
+    PLACE_LABEL,
+    SPEED_LABEL,
+    TRACKS,
+    VERMILLION,
+    new_axes,
+    styled,
+)
 
 N_LINES = 5
 """Lines of a plot that is not told its speeds."""
@@ -24,34 +34,10 @@ FEW = 15
 
 @styled
 def smooth_daf_plot(surface: SurfaceShown, ax: Axes | None = None) -> Axes:
-    """Draw the DAF of a smooth road over the speed, Fig. 2 of the paper.
-
-    Parameters
-    ----------
-    surface : RampSurface
-        The ramp surface of bridge and vehicle.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure if omitted.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Fig. 2.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.plots import smooth_daf_plot
-    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
-    >>> smooth_daf_plot(surface).get_ylabel()
-    'DAF, smooth road [-]'
-    """
+    """Draw the DAF of a smooth road over the speed, Fig. 2 of the paper."""
     ax = new_axes(ax)
     ax.plot(*curve_of(surface, surface.daf_smooth), color=BLACK, **dots_of(surface))
-    ax.set(xlabel=SPEED_LABEL, ylabel="DAF, smooth road [-]")
+    ax.set(xlabel=SPEED_LABEL, ylabel="{}, smooth road [{}]".format(*surface.quantity))
     return ax
 
 
@@ -59,34 +45,9 @@ def smooth_daf_plot(surface: SurfaceShown, ax: Axes | None = None) -> Axes:
 def surface_plot(
     surface: SurfaceShown, *, difference: bool = False, ax: Axes | None = None
 ) -> Axes:
-    """Draw the DAF of a ramp over its place and the speed: Figs. 5 and 6 of the paper.
+    """Draw the DAF of a ramp over its place and the speed, Figs. 5(a) and 6(a) of the paper.
 
-    Parameters
-    ----------
-    surface : RampSurface
-        A ramp surface of two speeds or more.
-    difference : bool, optional
-        Draw what the ramp changes, DAF_unit - DAF_smooth (Figs. 5(b) and 6(b)), in place of
-        DAF_unit itself (Figs. 5(a) and 6(a)).
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure if omitted.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    ValueError
-        If the surface has one speed only.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.plots import surface_plot
-    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
-    >>> surface_plot(surface).get_title(loc="left")
-    'DAF with a 1 mm drop over 0.1 m'
+    Or what the ramp changes, DAF_unit - DAF_smooth, Figs. 5(b) and 6(b).
     """
     if len(surface.speeds) < 2:
         raise ValueError("surface must have two speeds or more to be drawn, got one")
@@ -106,74 +67,115 @@ def surface_plot(
         ticks = middles[middles.size // 2 % 2 :: 2]  # every other one, with 0 among them
         ax.set_title(f"what {ramp} changes")
     else:
-        ax.set_title(f"DAF with {ramp}")
-    places, kmh = surface.positions / surface.beam.length, surface.speeds * 3.6
+        ax.set_title(f"{surface.quantity[0]} with {ramp}")
+    places, kmh = surface.positions / surface.beam.length, to_kmh(surface.speeds)
     filled = ax.contourf(places, kmh, values, **look)
     ax.contour(filled, colors=BLACK, linewidths=0.25, alpha=0.5)
-    label = "change of the DAF [-]" if difference else "DAF [-]"
+    label = _label(surface, difference)
     ax.figure.colorbar(filled, ax=ax, label=label, ticks=ticks, pad=0.02)
     ax.set(xlabel=PLACE_LABEL, ylabel=SPEED_LABEL)
-    return ax
-
-
-@styled
-def lines_plot(
-    surface: SurfaceShown,
-    speeds: ArrayLike | None = None,
-    *,
-    difference: bool = False,
-    ax: Axes | None = None,
-) -> Axes:
-    """Draw the DAF of a ramp over its place, one line a speed: cuts through Figs. 5 and 6.
-
-    Parameters
-    ----------
-    surface : RampSurface
-        The ramp surface of bridge and vehicle.
-    speeds : array_like, optional
-        Speeds [m/s], of which the surface's nearest are drawn; five across its range if omitted.
-    difference : bool, optional
-        Draw what the ramp changes, DAF_unit - DAF_smooth, in place of DAF_unit itself.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure if omitted.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> from bridgectl.plots import lines_plot
-    >>> surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), [25.0, 30.0])
-    >>> [line.get_label() for line in lines_plot(surface).lines]
-    ['90 km/h', '108 km/h']
-    """
-    ax = new_axes(ax)
-    draw_lines(ax, surface, surface.daf_difference if difference else surface.daf_unit, speeds)
-    ax.set(xlabel=PLACE_LABEL, ylabel="change of the DAF [-]" if difference else "DAF [-]")
-    ax.legend()
     return ax
 
 
 def draw_lines(
     ax: Axes, surface: SurfaceShown, values: FloatArray, speeds: ArrayLike | None
 ) -> None:
-    """Draw values (n_speeds, n_ramps) over the places, one line a speed: see `lines_plot`."""
+    """Draw values (n_speeds, n_ramps) over the places, one line a speed."""
     ends = surface.speeds.min(), surface.speeds.max()
     wanted = np.linspace(*ends, N_LINES) if speeds is None else np.atleast_1d(np.asarray(speeds))
     nearest = np.unique(np.abs(surface.speeds - wanted[:, np.newaxis]).argmin(axis=1))
     for i, color in zip(nearest, cycle(TRACKS), strict=False):
-        label = f"{surface.speeds[i] * 3.6:.4g} km/h"
+        label = f"{to_kmh(surface.speeds[i]):.4g} km/h"
         ax.plot(surface.positions / surface.beam.length, values[i], color=color, label=label)
 
 
 def curve_of(surface: SurfaceShown, values: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Speeds [km/h] in increasing order, and values."""
     order = np.argsort(surface.speeds)
-    return surface.speeds[order] * 3.6, np.asarray(values)[order]
+    return to_kmh(surface.speeds[order]), np.asarray(values)[order]
 
 
 def dots_of(surface: SurfaceShown) -> dict[str, Any]:
     """Markers of a curve of few points."""
     return {"marker": "o"} if len(surface.speeds) < FEW else {}
+
+
+def _label(surface: SurfaceShown, difference: bool) -> str:
+    """What a surface's ramps give, or change."""
+    name, unit = surface.quantity
+    return f"change of the {name} [{unit}]" if difference else f"{name} [{unit}]"
+
+
+TITLES = ("odd: changes its sign with the ramp", "even: drop and rise have it in common")
+
+
+@styled
+def effects_figure(
+    surface: SurfaceShown,
+    speeds: ArrayLike | None = None,
+    *,
+    road: RoadShown | ArrayLike | None = None,
+) -> Figure:
+    """Draw odd and even effects of ramps over their place, one line a speed.
+
+    Parameters
+    ----------
+    surface : RampSurface
+        A surface of ramps both ways.
+    speeds : array_like, optional
+        Speeds [m/s], of which the surface's nearest are drawn; five across its range if omitted.
+    road : RoadProfile or array_like, optional
+        A road, whose terms o s and e s^2 of the DAE of order 2 are drawn, summed up along it, in
+        place of those of the unit ramp: see `RampSurface.dae`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the surface has ramps down alone, or the road does not fit it.
+
+    Examples
+    --------
+    >>> import bridgectl as bc
+    >>> from bridgectl.plots import effects_figure
+    >>> surface = bc.ramp_surface(
+    ...     bc.li2006.beam(), bc.li2006.car(), 25.0, ramp_height="A", both_ways=True)
+    >>> [axes.get_ylabel() for axes in effects_figure(surface).axes]
+    ['change of the DAF [-]', 'change of the DAF [-]']
+    """
+    values, label = (
+        [surface.odd_effect, surface.even_effect],
+        "change of the {} [{}]".format(*surface.quantity),
+    )
+    if road is not None:
+        scales = surface.ramps(road)
+        values = [np.cumsum(part, axis=1) for part in (values[0] * scales, values[1] * scales**2)]
+        label = "DAE so far - smooth DAF [-]"
+    figure = Figure(figsize=(9, 3.6), layout="constrained")
+    for axes, part, title in zip(figure.subplots(1, 2), values, TITLES, strict=True):
+        draw_lines(axes, surface, part, speeds)
+        axes.set(xlabel=PLACE_LABEL, ylabel=label, title=title)
+    figure.axes[0].legend()
+    return figure
+
+
+@styled
+def paper_figure(results: PaperShown) -> Figure:
+    """Draw Figs. 2, 5(a), 5(b), 6(a) and 6(b) of the paper as computed."""
+    figure = Figure(figsize=(10.0, 10.5), layout="constrained")
+    panels = figure.subplot_mosaic([["2", "2"], ["5(a)", "5(b)"], ["6(a)", "6(b)"]])
+    top = smooth_daf_plot(results.unit, panels["2"])
+    top.set_title("DAF of a smooth road")
+    kmh, printed = results.printed_smooth
+    top.plot(kmh, printed, "o", color=VERMILLION, label=f"printed: {printed:g}")
+    top.margins(x=0)
+    top.legend()
+    for name, surface in (("5", results.unit), ("6", results.tall)):
+        surface_plot(surface, ax=panels[f"{name}(a)"])
+        surface_plot(surface, difference=True, ax=panels[f"{name}(b)"])
+    for name, panel in panels.items():
+        panel.set_title(f"Fig. {name}: {panel.get_title(loc='left')}")
+    return figure

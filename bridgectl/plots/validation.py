@@ -1,4 +1,4 @@
-"""The figure of the validation: Figs. 8, 9 and 11 of the paper, for all roads and bridges."""
+"""Figures of the validations: DAF and DAE, Figs. 8, 9 and 11 of the paper, and of dampers."""
 
 from __future__ import annotations
 
@@ -10,9 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from bridgectl.plots.shown import CaseShown, RoadShown, ValidationShown
+from bridgectl._places import SAME_PLACE
+from bridgectl._units import to_kmh
+from bridgectl.plots.shown import CaseShown, DamperCaseShown, RoadShown, ValidationShown
 from bridgectl.plots.style import (
     BLACK,
+    BLUE,
     BRIDGE_TINT,
     GREY,
     SKY,
@@ -34,26 +37,7 @@ ROUND_OFF = 1e-6
 def validation_figure(results: ValidationShown) -> Figure:
     """Draw DAF and DAE over speed of every road on every bridge, and the peaks of all.
 
-    Parameters
-    ----------
-    results : ValidationResults
-        See `bridgectl.paper.validation.validate`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Figs. 8, 9 and 11.
-
-    Examples
-    --------
-    >>> from bridgectl.plots import validation_figure
-    >>> from bridgectl.paper.validation import validate
-    >>> figure = validation_figure(validate([29.0, 30.0], spans=[25], starts=[0]))
-    >>> len(figure.axes)  # elevation and amplification of eight roads, and the peaks
-    18
+    As Figs. 8, 9 and 11 of the paper.
     """
     groups, n_roads = results.groups, len(results.roads)
     width = ROAD + COLUMN * max(len(groups), 4)
@@ -86,7 +70,7 @@ def validation_figure(results: ValidationShown) -> Figure:
 
 def _draw_road(ax: Axes, road: RoadShown, approach: float, span: float) -> None:
     """Elevation of a road, with the longest bridge."""
-    shown = (road.x >= -approach - 1e-9) & (road.x <= span + 1e-9)
+    shown = (road.x >= -approach - SAME_PLACE) & (road.x <= span + SAME_PLACE)
     ax.axvspan(0, span, color=BRIDGE_TINT, zorder=0)
     ax.plot(road.x[shown], 1e3 * road.elevation[shown], color=BLACK, lw=0.9)
     ax.set_title(road.name, fontsize=9.5, parse_math=False)
@@ -97,14 +81,14 @@ def _draw_road(ax: Axes, road: RoadShown, approach: float, span: float) -> None:
 
 def _draw_case(ax: Axes, case: CaseShown) -> None:
     order = np.argsort(case.speeds)
-    kmh = case.speeds[order] * 3.6
+    kmh = to_kmh(case.speeds[order])
     marker = "o" if len(kmh) < 15 else ""
     ax.plot(kmh, case.superposed[order], color=SKY, lw=4.0, label="superposed DAF")
     ax.plot(kmh, case.simulated[order], color=BLACK, lw=1.1, label="simulated DAF",
             marker=marker, ms=2.5)  # fmt: skip
     ax.plot(kmh, case.dae[order], "--", color=VERMILLION, lw=1.4, label="DAE",
             marker=marker, ms=2.5)  # fmt: skip
-    for speed in case.speeds[case.flying] * 3.6:
+    for speed in to_kmh(case.speeds[case.flying]):
         ax.axvline(speed, color=GREY, lw=2.0, alpha=0.3, zorder=0)
     ax.xaxis.set_major_locator(MultipleLocator(50) if np.ptp(kmh) > 60 else MaxNLocator(3))
     ax.yaxis.set_major_locator(MaxNLocator(4))
@@ -172,3 +156,45 @@ def _draw_differences(ax: Axes, results: ValidationShown) -> None:
         look = _look(results.groups[span, approach][0], results)
         handles.append(Line2D([], [], label=f"{span:g} m bridge, {_start(approach)}", **look))  # type: ignore[arg-type]
     ax.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+@styled
+def damper_validation_figure(cases: Sequence[DamperCaseShown]) -> Figure:
+    """Draw the class DAE of every damper over its simulated mean DAF, and the mean of Eq. (15).
+
+    A row for each road class, a column for each bridge.
+    """
+    spans = list(dict.fromkeys(case.span for case in cases))
+    classes = list(dict.fromkeys(case.road_class for case in cases))
+    size = (1.0 + 3.9 * len(spans), 0.8 + 3.5 * len(classes))
+    figure = Figure(figsize=size, layout="constrained")
+    panels = figure.subplots(len(classes), len(spans), squeeze=False)
+    for case in cases:
+        _draw_damper_case(panels[classes.index(case.road_class), spans.index(case.span)], case)
+    for panel in panels[-1]:
+        panel.set_xlabel("simulated mean DAF [-]")
+    for panel in panels[:, 0]:
+        panel.set_ylabel("DAE [-]")
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    columns = len(spans) if len(spans) < 3 else 4  # of entries, as many as fit
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns)
+    return figure
+
+
+def _draw_damper_case(ax: Axes, case: DamperCaseShown) -> None:
+    daf, known = case.mean_daf, slice(case.n_known)
+    unseen = slice(case.n_known, None)
+    ax.plot(daf, case.mean_eq_15, ".", color=GREY, ms=5, label="mean of Eq. (15)", zorder=1)
+    ax.plot(daf[known], case.class_dae[known], "o", color=BLUE, ms=5,
+            label="class DAE, dampers of the formula")  # fmt: skip
+    ax.plot(daf[unseen], case.class_dae[unseen], "^", color=VERMILLION, ms=5.5,
+            label="class DAE, unseen dampers")  # fmt: skip
+    values = np.concatenate([daf, case.class_dae, case.mean_eq_15])
+    ends = values.min(), values.max()
+    ax.plot(ends, ends, ":", color=BLACK, lw=0.8, label="equal", zorder=0)
+    clear = case.clear_pairs
+    ax.set_title(
+        f"{case.span:g} m, class {case.road_class}: tau {case.tau.tau:.2f}\n"
+        f"{clear.right} of {clear.number} clear pairs in order"
+    )
+    ax.locator_params(nbins=5)

@@ -1,41 +1,27 @@
-"""Roads: read, measured and made; the ramps a tire meets on them; bumps and joints."""
+"""Roads: read, measured and made; the ramps a tire meets on them; bumps and joints.
 
-from bridgectl.road.events import RoadEvent, add_events
-from bridgectl.road.files.lines import ProfileFileError
-from bridgectl.road.files.read import read_profile, read_tracks, utia_road
-from bridgectl.road.files.write import write_profile
+`RoadProfile` and what reads, writes and makes whole roads are names of `bridgectl` itself.
+"""
+
+from bridgectl._gone import no_attribute
+from bridgectl.road.events import add_events
+from bridgectl.road.files.lines import ProfileFileError as ProfileFileError
+from bridgectl.road.files.read import read_profile as read_profile
+from bridgectl.road.files.read import read_tracks as read_tracks
+from bridgectl.road.files.read import utia_road as utia_road
+from bridgectl.road.files.write import write_profile as write_profile
 from bridgectl.road.filtered import shaping_filter
 from bridgectl.road.footprint import tire_footprint
-from bridgectl.road.iso8608 import (
-    iso8608_elevations,
-    iso8608_profile,
-    ramp_covariance,
-)
-from bridgectl.road.profile import RoadProfile
-from bridgectl.road.psd import PsdFit, RoadPsd, class_roughness
-from bridgectl.road.shapes import bump, plank, pothole, ramp, settlement, step
+from bridgectl.road.iso8608 import iso8608_elevations
+from bridgectl.road.iso8608 import iso8608_profile as iso8608_profile
+from bridgectl.road.profile import RoadProfile as RoadProfile
+from bridgectl.road.shapes import bump, plank, ramp, settlement, step
 
 __all__ = [
-    "ProfileFileError",
-    "PsdFit",
-    "RoadEvent",
-    "RoadProfile",
-    "RoadPsd",
-    "add_events",
-    "bump",
-    "class_roughness",
-    "iso8608_elevations",
-    "iso8608_profile",
-    "plank",
-    "pothole",
-    "ramp",
-    "ramp_covariance",
-    "read_profile",
-    "read_tracks",
-    "settlement",
-    "shaping_filter",
-    "step",
-    "tire_footprint",
-    "utia_road",
-    "write_profile",
-]
+    "add_events", "bump", "iso8608_elevations", "plank", "ramp", "settlement", "shaping_filter",
+    "step", "tire_footprint",
+]  # fmt: skip
+
+
+def __getattr__(name: str) -> object:
+    raise no_attribute(__name__, name)

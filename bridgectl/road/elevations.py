@@ -1,8 +1,8 @@
 """What is read from elevations over stations: the ramps a tire meets, and how rough they are.
 
 A road holds the elevation z, positive *up*, as road files and ISO 8608 do. The equations of the
-crossing use the paper's r, positive *down* (Eq. 2). The sign changes in `Elevations.drop` and
-nowhere else; `Elevations.ramps` gives the differences of that r.
+crossing use the paper's r, positive *down* (Eq. 2). The sign changes in `Elevations.drop`, and
+in `drops_of` of roads side by side; `Elevations.ramps` gives the differences of that r.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl._places import SAME_PLACE, count_pieces
+from bridgectl._places import SAME_PLACE, count_pieces, even_places
 from bridgectl.road.iri import GOOD, running_iri, segment_iri
 from bridgectl.road.limits import mean_step
 from bridgectl.road.psd import RoadPsd, road_psd
@@ -32,6 +32,11 @@ class Ramps(NamedTuple):
     """Station x_i where each ramp starts [m], shape (n,)."""
     heights: FloatArray
     """Drop over each ramp, r(x_i + length) - r(x_i) [m], positive downward, shape (n,)."""
+
+
+def drops_of(elevations: FloatArray) -> FloatArray:
+    """Return r, the drop below the first station, of roads (n_roads, n): one row a station."""
+    return np.ascontiguousarray((elevations[:, :1] - elevations).T)
 
 
 class Elevations(Stations):
@@ -65,7 +70,7 @@ class Elevations(Stations):
 
         Examples
         --------
-        >>> from bridgectl.road import RoadProfile, utia_road
+        >>> from bridgectl import RoadProfile, utia_road
         >>> utia_road().resample(0.1).measured_step
         0.25
         >>> RoadProfile([-10, 3.0, 3.1, 25], [0, 0, -0.001, -0.001]).resample(0.1).measured_step
@@ -126,7 +131,7 @@ class Elevations(Stations):
         --------
         A road that falls by 1 mm has r = +1 mm after the fall:
 
-        >>> from bridgectl.road import RoadProfile
+        >>> from bridgectl import RoadProfile
         >>> road = RoadProfile([0, 0.1], [0, -0.001])
         >>> road.drop([-1, 0, 0.05, 0.1, 7], start=0)
         array([0.    , 0.    , 0.0005, 0.001 , 0.001 ])
@@ -161,14 +166,14 @@ class Elevations(Stations):
 
         Examples
         --------
-        >>> from bridgectl.road import RoadProfile
+        >>> from bridgectl import RoadProfile
         >>> ramps = RoadProfile([0, 0.1, 0.2], [0, -0.001, -0.003]).ramps()
         >>> ramps.positions, ramps.heights
         (array([0. , 0.1]), array([0.001, 0.002]))
         """
         first, last = self._stretch(start, stop)
         pieces = count_pieces(last - first, check.positive("length", length, unit="m"))
-        ends = first + length * np.arange(max(1, pieces) + 1, dtype=np.float64)
+        ends = even_places(first, length, max(1, pieces) + 1)
         drops = self.drop(ends, first)
         return Ramps(ends[:-1], drops[1:] - drops[:-1])
 
@@ -210,7 +215,7 @@ class Elevations(Stations):
 
         Examples
         --------
-        >>> from bridgectl.road import utia_road
+        >>> from bridgectl import utia_road
         >>> utia_road().iri(segment=100).round(3)
         array([3.298, 2.442, 3.555, 4.086, 2.708])
         """
@@ -244,7 +249,7 @@ class Elevations(Stations):
 
         Examples
         --------
-        >>> from bridgectl.road import utia_road
+        >>> from bridgectl import utia_road
         >>> x, iri = utia_road().running_iri(window=100)
         >>> f"{iri.max():.2f} m/km over the 100 m before station {x[iri.argmax()]:.0f} m"
         '4.23 m/km over the 100 m before station 862 m'
@@ -277,7 +282,7 @@ class Elevations(Stations):
 
         Examples
         --------
-        >>> from bridgectl.road import utia_road
+        >>> from bridgectl import utia_road
         >>> utia_road().psd()
         RoadPsd('UTIA road', 200 wave numbers from 0.01 to 2 cycles/m, 8.6 averages)
         """

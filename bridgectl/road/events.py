@@ -23,37 +23,14 @@ from bridgectl.road.profile import RoadProfile
 class RoadEvent:
     """A local change of a road's elevation: 0 before it, straight between its stations.
 
-    After its last station the change stays as it is there. Events are equal when their stations
-    and rises are; the label is only for messages.
+    Events are equal when their stations and rises are; the label is only for messages.
 
-    Parameters
+    Attributes
     ----------
-    x : array_like, shape (n,)
-        Stations [m], n >= 2, each more than 1e-9 m past the one before, measured from the start of
-        the bridge (negative on the approach).
-    rise : array_like, shape (n,)
-        Change of elevation [m] at each station, positive up; ``rise[0]`` is 0.
-    label : str, optional
-        What the event is, for messages.
-
-    Raises
-    ------
-    TypeError
-        If `x` or `rise` are not real numbers, or `label` is not a string.
-    ValueError
-        If they are not two 1-D arrays of one length, hold NaN or infinity, the stations do not
-        increase, the first rise is not 0, or the event is anywhere steeper than 1 m/m.
-
-    Examples
-    --------
-    A 30 mm deep rut across the road, 12 m before the bridge:
-
-    >>> from bridgectl.road import RoadEvent
-    >>> rut = RoadEvent([-12, -11.7, -11.4], [0, -0.03, 0], label="rut")
-    >>> rut
-    RoadEvent('rut', 3 points, x from -12 m to -11.4 m, rise from -0.03 m to 0 m)
-    >>> rut.rise_at([-20, -11.8, 0])
-    array([ 0.  , -0.02,  0.  ])
+    x : ndarray, shape (n,)
+        Two stations [m] or more, each more than 1e-9 m past the one before it.
+    rise : ndarray, shape (n,)
+        Change of elevation [m], positive up; it begins with 0 and stays as it is after the last.
     """
 
     x: FloatArray
@@ -89,18 +66,7 @@ class RoadEvent:
         return hash((self.x.size, *self.x[[0, -1]], float(self.rise.sum())))
 
     def rise_at(self, x: ArrayLike) -> FloatArray:
-        """Return the change of elevation at stations.
-
-        Parameters
-        ----------
-        x : array_like, any shape
-            Stations [m].
-
-        Returns
-        -------
-        ndarray, same shape as `x`
-            Change of elevation [m], positive up.
-        """
+        """Return the change of elevation [m], positive up, at stations [m] of any shape."""
         return np.asarray(np.interp(np.asarray(x, dtype=np.float64), self.x, self.rise))
 
 
@@ -132,7 +98,7 @@ def add_events(road: RoadProfile, *events: RoadEvent) -> RoadProfile:
 
     Examples
     --------
-    >>> from bridgectl.road import RoadProfile
+    >>> from bridgectl import RoadProfile
     >>> from bridgectl.road import add_events, bump, step
     >>> smooth = RoadProfile([-100, 25], [0, 0], name="smooth")
     >>> add_events(smooth, step(0.0, 0.020), bump(-5.0, length=1.0, height=0.030))

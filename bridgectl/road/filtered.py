@@ -28,13 +28,9 @@ SECTIONS_PER_OCTAVE = 0.6
 
 
 def shaping_filter(
-    roughness: str | float,
-    *,
-    waviness: float = 2.0,
-    band: tuple[float, float] = DEFAULT_BAND,
-    speed: float = 1.0,
-    level: str = "mean",
-) -> control.StateSpace:
+    roughness: str | float, *, waviness: float = 2.0, band: tuple[float, float] = DEFAULT_BAND,
+    speed: float = 1.0, level: str = "mean",
+) -> control.StateSpace:  # fmt: skip
     """Return the filter that makes a road of ISO 8608 from white noise.
 
     For waviness 2 it is of first order::
@@ -84,15 +80,10 @@ def shaping_filter(
     )
     n = poles.size
     return control.ss(
-        -rate * np.diag(poles),
-        np.sqrt(rate) * np.ones((n, 1)),
-        gains[np.newaxis],
-        0,
-        inputs=["noise"],
-        outputs=["elevation"],
-        states=[f"road_{i}" for i in range(1, n + 1)],
+        -rate * np.diag(poles), np.sqrt(rate) * np.ones((n, 1)), gains[np.newaxis], 0,
+        inputs=["noise"], outputs=["elevation"], states=[f"road_{i}" for i in range(1, n + 1)],
         name="road",
-    )
+    )  # fmt: skip
 
 
 def _modes(

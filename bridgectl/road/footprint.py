@@ -53,7 +53,7 @@ def tire_footprint(road: RoadProfile, length: float = 0.24) -> RoadProfile:
     --------
     The middle of a step stays, and its foot is lifted:
 
-    >>> from bridgectl.road import RoadProfile
+    >>> from bridgectl import RoadProfile
     >>> from bridgectl.road import add_events, step, tire_footprint
     >>> road = add_events(RoadProfile([-10, 25], [0, 0]).resample(0.05), step(0.0, 0.020))
     >>> tire_footprint(road).elevation_at([-0.2, 0, 0.05, 0.1, 0.3]).round(4)
@@ -100,5 +100,5 @@ def _warn_if_coarse(road: RoadProfile, smooth: RoadProfile, length: float) -> No
         warn(
             f"the road's stations are too far apart for a tire_footprint of {length:g} m: between "
             f"them the average differs from the result by up to {1e3 * missed:.3g} mm; pass "
-            f"road.resample({length / 5:.2g})",
+            f"road.resample({length / 5:.2g})"
         )

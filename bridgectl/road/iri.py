@@ -16,10 +16,11 @@ from scipy.signal import lfilter
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._units import from_kmh
 from bridgectl._warn import warn
 from bridgectl.road.limits import even_step
 
-SPEED = 80 / 3.6
+SPEED = from_kmh(80.0)
 """Speed of the golden car [m/s]."""
 
 TIRE, SUSPENSION, DAMPING, UNSPRUNG = 653.0, 63.3, 6.0, 0.15
@@ -45,23 +46,10 @@ SHORTEST = 1.0
 
 
 def golden_car() -> control.StateSpace:
-    """Return the golden car of the IRI as a linear system.
+    """Return the golden car of the IRI (M. W. Sayers, Transp. Research Record 1501, 1995, 1-12).
 
-    Returns
-    -------
-    control.StateSpace
-        Input 'slope' [-] of the road, output 'suspension' [-], the suspension's velocity per
-        speed. States: slopes of sprung and unsprung mass and their rates.
-
-    References
-    ----------
-    M. W. Sayers, Transportation Research Record 1501 (1995) 1-12.
-
-    Examples
-    --------
-    >>> from bridgectl.road.iri import golden_car
-    >>> [round(abs(float(f)) / 6.28319, 2) for f in sorted(set(abs(golden_car().poles())))]
-    [1.24, 10.76]
+    Input 'slope' [-] of the road, output 'suspension' [-], the suspension's velocity per speed.
+    States: slopes of sprung and unsprung mass and their rates.
     """
     matrix = [
         [0, 1, 0, 0],
@@ -72,44 +60,17 @@ def golden_car() -> control.StateSpace:
     a = np.array(matrix, dtype=float)
     a[3] /= UNSPRUNG
     return control.ss(
-        a,
-        [[0], [0], [0], [TIRE / UNSPRUNG]],
-        [[-1, 0, 1, 0]],
-        0,
-        inputs=["slope"],
-        outputs=["suspension"],
+        a, [[0], [0], [0], [TIRE / UNSPRUNG]], [[-1, 0, 1, 0]], 0,
+        inputs=["slope"], outputs=["suspension"], name="golden car",
         states=["sprung", "sprung_rate", "unsprung", "unsprung_rate"],
-        name="golden car",
-    )
+    )  # fmt: skip
 
 
 def rectified_slope(elevation: ArrayLike, step: float) -> FloatArray:
-    """Rectified suspension motion along evenly sampled roads; its mean is the IRI.
+    """Rectified suspension motion [m/km] along evenly sampled roads; its mean is the IRI.
 
-    Parameters
-    ----------
-    elevation : array_like, shape (..., n)
-        Elevations [m] of one road or track, or of many.
-    step : float
-        Distance between the samples [m].
-
-    Returns
-    -------
-    ndarray, shape (..., n - k)
-        In m/km, for each step; k = max(1, round(0.25 / step)) samples make the 250 mm base.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If `step` is not above 0, or a road is shorter than the 250 mm base.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.road.iri import rectified_slope
-    >>> wave = 1e-3 * np.sin(2 * np.pi * np.arange(0, 500, 0.05) / 10)
-    >>> print(f"{rectified_slope(wave, 0.05)[2000:].mean():.3f} m/km")
-    0.503 m/km
+    Of elevations [m], shape (..., n), it has shape (..., n - k), one for each step;
+    k = max(1, round(0.25 / step)) samples make the 250 mm base.
     """
     return np.abs(suspension_slope(elevation, step))
 

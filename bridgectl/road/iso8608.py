@@ -12,6 +12,7 @@ from scipy.fft import irfft, next_fast_len
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import even_places, whole_pieces
 from bridgectl._threads import on_one_thread
 from bridgectl._work import Work, at_least, at_most, require_feasible
 from bridgectl.road.filtered import filtered_noise
@@ -35,17 +36,10 @@ Seed = int | np.random.Generator | None
 
 
 def iso8608_profile(
-    roughness: str | float,
-    length: float,
-    step: float = 0.1,
-    *,
-    seed: Seed = None,
-    start: float = 0.0,
-    waviness: float = 2.0,
-    band: tuple[float, float] = DEFAULT_BAND,
-    level: str = "mean",
-    method: str = "spectral",
-) -> RoadProfile:
+    roughness: str | float, length: float, step: float = 0.1, *, seed: Seed = None,
+    start: float = 0.0, waviness: float = 2.0, band: tuple[float, float] = DEFAULT_BAND,
+    level: str = "mean", method: str = "spectral",
+) -> RoadProfile:  # fmt: skip
     """Make a random road of an ISO 8608 class, or of a given roughness.
 
     Parameters
@@ -83,7 +77,7 @@ def iso8608_profile(
 
     References
     ----------
-    ISO 8608:2016, Annex C. The class means are in `bridgectl.road.class_roughness`.
+    ISO 8608:2016, Annex C. The class means are in `bridgectl.road.psd.class_roughness`.
 
     Examples
     --------
@@ -99,24 +93,17 @@ m to 0.0106422 m, step 0.1 m)
         seed=seed, waviness=waviness, band=band, level=level, method=method,
     )[0]  # fmt: skip
     label = f"class {roughness}" if isinstance(roughness, str) else f"Gd = {roughness:g} m^3"
-    x = first + step * np.arange(elevation.size)
+    x = even_places(first, step, elevation.size)
     road = RoadProfile(x, elevation, name=f"ISO 8608 {label}")
     return road._measured_as(float(step))
 
 
 @on_one_thread
 def iso8608_elevations(
-    n_roads: int,
-    roughness: str | float,
-    length: float,
-    step: float = 0.1,
-    *,
-    seed: Seed = None,
-    waviness: float = 2.0,
-    band: tuple[float, float] = DEFAULT_BAND,
-    level: str = "mean",
+    n_roads: int, roughness: str | float, length: float, step: float = 0.1, *, seed: Seed = None,
+    waviness: float = 2.0, band: tuple[float, float] = DEFAULT_BAND, level: str = "mean",
     method: str = "spectral",
-) -> FloatArray:
+) -> FloatArray:  # fmt: skip
     """Make many random roads of an ISO 8608 class at once.
 
     Parameters
@@ -144,7 +131,7 @@ def iso8608_elevations(
     """
     count = check.integer("n_roads", n_roads, at_least=1)
     dx = check.positive("step", step, unit="m")
-    n_steps = int(check.positive("length", length, unit="m") / dx + 1e-9)
+    n_steps = whole_pieces(check.positive("length", length, unit="m"), dx)
     if n_steps < 1:
         raise ValueError(f"length must be at least one step of {dx:g} m, got {length:g} m")
     check.choice("method", method, ("spectral", "filter"))
@@ -218,46 +205,13 @@ def _variances(
 
 
 def ramp_covariance(
-    roughness: str | float,
-    n_ramps: int,
-    length: float = 0.1,
-    *,
-    waviness: float = 2.0,
-    band: tuple[float, float] = DEFAULT_BAND,
-    level: str = "mean",
-) -> FloatArray:
-    """Covariance of the drops over the ramps of a random road, by the ramps between them.
+    roughness: str | float, n_ramps: int, length: float = 0.1, *, waviness: float = 2.0,
+    band: tuple[float, float] = DEFAULT_BAND, level: str = "mean",
+) -> FloatArray:  # fmt: skip
+    """Covariance [m^2] of the drops over ramps of a random road that are 0, 1, 2, ... ramps apart.
 
     With the spectrum G(n) it is the integral of G(n) 4 sin^2(pi n length) cos(2 pi n k length):
-    exact for the roads of `iso8608_elevations` at steps of a ramp.
-
-    Parameters
-    ----------
-    roughness, waviness, band, level
-        As `iso8608_profile`.
-    n_ramps : int
-        How many ramps.
-    length : float, optional
-        Length of a ramp [m].
-
-    Returns
-    -------
-    ndarray, shape (n_ramps,)
-        Covariance [m^2] of ramps 0, 1, 2, ... ramps apart; the first is the variance.
-
-    Raises
-    ------
-    TypeError, ValueError
-        As `iso8608_profile`.
-
-    Examples
-    --------
-    Drops over 100 mm of class A: 0.46 mm, and those of neighbours go together.
-
-    >>> from bridgectl.road import ramp_covariance
-    >>> s = ramp_covariance("A", 3)
-    >>> (1e3 * s[0] ** 0.5).round(3), (s[1] / s[0]).round(2)
-    (np.float64(0.461), np.float64(0.32))
+    exact for the roads of `iso8608_elevations` at steps of a ramp. The first is the variance.
     """
     count = check.integer("n_ramps", n_ramps, at_least=1)
     dx = check.positive("length", length, unit="m")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -11,10 +11,13 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl._places import SAME_PLACE
+from bridgectl._places import SAME_PLACE, even_places, whole_pieces
 from bridgectl.road.elevations import Elevations
 from bridgectl.road.limits import require_gentle, require_increasing
 from bridgectl.road.sampling import measured_step
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MAX_ORDER = 20  # least-squares polynomials of higher order lose their digits
 
@@ -48,7 +51,7 @@ class RoadProfile(Elevations):
     --------
     A 1 mm drop over 100 mm, the paper's unit ramp, 3 m past the start of the bridge:
 
-    >>> from bridgectl.road import RoadProfile
+    >>> from bridgectl import RoadProfile
     >>> road = RoadProfile([-10, 3.0, 3.1, 25], [0, 0, -0.001, -0.001], name="unit ramp")
     >>> road
     RoadProfile('unit ramp', 4 points, x from -10 m to 25 m, elevation from -0.001 m to 0 m, \
@@ -145,13 +148,13 @@ steps 0.1 to 21.9 m)
         array([0.    , 0.0025, 0.005 , 0.0075, 0.01  ])
         """
         first, last = self._stretch(start, stop)
-        pieces = int(np.floor((last - first) / check.positive("step", step, unit="m") + 1e-9))
+        pieces = whole_pieces(last - first, check.positive("step", step, unit="m"))
         if pieces < 1:
             raise ValueError(
                 f"step = {step:.10g} m is longer than the road from start to stop "
                 f"({last - first:.10g} m): type a smaller step"
             )
-        stations = first + step * np.arange(pieces + 1, dtype=np.float64)
+        stations = even_places(first, step, pieces + 1)
         measured = self.measured_step and max(self.measured_step, float(step))
         return self._trusted(stations, self._interpolated(stations), self._name, measured)
 
@@ -247,3 +250,32 @@ steps 0.1 to 21.9 m)
         """
         datum = self._interpolated(self._inside("x", x))
         return self._like(self._x, self._elevation - datum)
+
+    def plot_roughness(self, *others: RoadProfile, segment: float = 100.0) -> Figure:
+        """Draw elevation, IRI of each segment, and spectrum; other tracks beside them.
+
+        Parameters
+        ----------
+        *others : RoadProfile
+            Other tracks of the road, evenly spaced as this one.
+        segment : float, optional
+            Length of the segments [m].
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ValueError
+            If a road is shorter than the segment, or not evenly spaced.
+
+        Examples
+        --------
+        >>> import bridgectl as bc
+        >>> [axes.get_ylabel() for axes in bc.utia_road().plot_roughness().axes]
+        ['elevation, up [mm]', 'IRI [m/km]', 'power spectral density $G_d$ [m³]']
+        """
+        from bridgectl.plots.roads import profile_figure  # late, for matplotlib is slow to load
+
+        return profile_figure([self, *others], segment)

@@ -20,6 +20,7 @@ from scipy.special import digamma
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._places import whole_pieces
 from bridgectl._warn import warn
 from bridgectl.road.limits import even_step
 from bridgectl.road.sampling import coarse, too_coarse
@@ -52,35 +53,8 @@ def class_roughness(iso_class: str, level: str = "mean") -> float:
     """Return G_d(n_0) [m^3] of an ISO 8608 class: its geometric mean, or its limits.
 
     Class A has the mean 16e-6 m^3 and the limits 8e-6 and 32e-6; each further class four times as
-    much. The standard leaves out the lower limit of A and the upper limit of H; here they follow
-    the same rule.
-
-    Parameters
-    ----------
-    iso_class : {"A", "B", "C", "D", "E", "F", "G", "H"}
-        The class.
-    level : {"lower", "mean", "upper"}
-        Its geometric mean or one of its limits.
-
-    Returns
-    -------
-    float
-        G_d(n_0) [m^3].
-
-    Raises
-    ------
-    ValueError
-        If either is not one of these.
-
-    References
-    ----------
-    ISO 8608:2016, Table C.1.
-
-    Examples
-    --------
-    >>> from bridgectl.road import class_roughness
-    >>> class_roughness("A"), class_roughness("B", "upper")
-    (1.6e-05, 0.000128)
+    much (ISO 8608:2016, Table C.1). The standard leaves out the lower limit of A and the upper
+    limit of H; here they follow the same rule.
     """
     check.choice("iso_class", iso_class, tuple(CLASSES))
     factor = {"lower": 0.5, "mean": 1.0, "upper": 2.0}
@@ -89,14 +63,7 @@ def class_roughness(iso_class: str, level: str = "mean") -> float:
 
 
 class PsdFit(NamedTuple):
-    """The straight line of ISO 8608 through a spectrum, found by `RoadPsd.fit`.
-
-    Examples
-    --------
-    >>> from bridgectl.road import PsdFit
-    >>> PsdFit(roughness=16e-6, waviness=2.0)
-    PsdFit(G_d(n_0) 1.6e-05 m^3, waviness 2, class A)
-    """
+    """The straight line of ISO 8608 through a spectrum, found by `RoadPsd.fit`."""
 
     roughness: float
     """G_d(n_0) [m^3]."""
@@ -116,18 +83,7 @@ class PsdFit(NamedTuple):
         return CLASSES[int(np.searchsorted(limits, self.roughness))]
 
     def density(self, wavenumber: ArrayLike) -> FloatArray:
-        """Return G_d(n) = G_d(n_0) (n / n_0)^-w on the line.
-
-        Parameters
-        ----------
-        wavenumber : array_like
-            n [cycles/m].
-
-        Returns
-        -------
-        ndarray
-            G_d [m^3], of the same shape.
-        """
+        """Return G_d(n) = G_d(n_0) (n / n_0)^-w [m^3] of wave numbers n [cycles/m]."""
         return np.asarray(self.roughness * (np.asarray(wavenumber) / REFERENCE) ** -self.waviness)
 
 
@@ -173,46 +129,12 @@ class RoadPsd:
         )
 
     def fit(self, *, waviness: float | None = None, band: tuple[float, float] = BAND) -> PsdFit:
-        """Fit the line of ISO 8608.
+        """Fit the line of ISO 8608 over a band [cycles/m]: G_d(n_0), waviness and class.
 
-        Least squares through the logarithms of third-octave means, each freed of the bias that
-        the logarithm of a mean of few values has.
-
-        Parameters
-        ----------
-        waviness : float, optional
-            Fit G_d(n_0) alone at this exponent of the spectrum, 2 for the classes; both if
-            omitted.
-        band : pair of float
-            Wave numbers [cycles/m] that count, as far as the road was measured.
-
-        Returns
-        -------
-        PsdFit
-            G_d(n_0) [m^3], waviness, and the ISO class.
-
-        Raises
-        ------
-        ValueError
-            If fewer than two third octaves of the spectrum lie in the band, or one of them is
-            empty, as a level road's are, but for round-off.
-
-        Warns
-        -----
-        UserWarning
-            If the band reaches beyond what the road was measured at, in steps of more than one foot
-            (see `RoadProfile.measured_step`).
-
-        References
-        ----------
-        ISO 8608:2016, Section 5.2 and Annex C.
-
-        Examples
-        --------
-        >>> import bridgectl as bc
-        >>> line = bc.utia_road().psd().fit()
-        >>> f"{line.roughness:.1e} m^3, waviness {line.waviness:.1f}: class {line.iso_class}"
-        '5.7e-05 m^3, waviness 2.5: class B'
+        Least squares through the logarithms of third-octave means, each freed of the bias that the
+        logarithm of a mean of few values has (ISO 8608:2016, Section 5.2 and Annex C). A given
+        waviness, 2 for the classes, leaves G_d(n_0) alone to be fitted. A warning tells if the band
+        reaches beyond what the road was measured at (see `RoadProfile.measured_step`).
         """
         ends = check.array("band", band, (2,), unit="cycles/m")
         n, logarithm = self._third_octaves(ends)
@@ -273,18 +195,8 @@ class RoadPsd:
         return place, np.log(mean) - digamma(m) + np.log(m)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the spectrum over the ISO 8608 classes: see `bridgectl.plots.psd_plot`.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if omitted.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
-        from bridgectl.plots import psd_plot  # late, for matplotlib is slow to load
+        """Draw the spectrum over the ISO 8608 classes, in a new figure or in `ax`."""
+        from bridgectl.plots.roads import psd_plot  # late, for matplotlib is slow to load
 
         return psd_plot(self, ax=ax)
 
@@ -300,7 +212,7 @@ def elevation_psd(
     slopes = np.diff(heights) / step
     n_slopes = slopes.shape[-1]
     length = SEGMENT if segment is None else check.positive("segment", segment, unit="m")
-    size = min(int(length / step + 1e-9), n_slopes)
+    size = min(whole_pieces(length, step), n_slopes)
     if size < 8:
         raise ValueError(f"segment must hold 8 steps of {step:g} m or more, got {size}")
     n, slope_psd = welch(slopes, 1 / step, window=window, nperseg=size, detrend="constant")
@@ -314,13 +226,9 @@ def elevation_psd(
 
 
 def road_psd(
-    x: FloatArray,
-    elevation: FloatArray,
-    segment: float | None,
-    window: str,
-    name: str,
+    x: FloatArray, elevation: FloatArray, segment: float | None, window: str, name: str,
     measured_step: float,
-) -> RoadPsd:
+) -> RoadPsd:  # fmt: skip
     """Spectrum of one road; see `RoadProfile.psd`."""
     step = even_step(x, "PSD")
     n, density, averages = elevation_psd(elevation, step, segment, window)

@@ -1,4 +1,4 @@
-"""The shapes of local road events: step, ramp, plank, bump, pothole and settlement."""
+"""The shapes of local road events: step, ramp, plank, bump and settlement."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from bridgectl import _checks as check
+from bridgectl._docs import filled
 from bridgectl._places import SAME_PLACE
 from bridgectl.road.events import RoadEvent
 from bridgectl.road.limits import MAX_SLOPE
@@ -14,7 +15,20 @@ from bridgectl.road.limits import MAX_SLOPE
 COSINE_PIECES = 50  # n chords miss a 1-cosine hump by pi^2 / (4 n^2) = 0.99e-3 of its height
 PARABOLA_PIECES = 16  # n chords miss a parabola by 1 / (4 n^2) = 0.98e-3 of its rise
 
+documented = filled(
+    event="""\
+Returns
+-------
+RoadEvent
 
+Raises
+------
+TypeError, ValueError
+    If an argument is not what is described above, or the event is steeper than 1 m/m."""
+)
+
+
+@documented
 def step(x: float, height: float, *, over: float = 0.1) -> RoadEvent:
     """Return a permanent change of level over a short length, as faulting makes at a joint.
 
@@ -27,15 +41,7 @@ def step(x: float, height: float, *, over: float = 0.1) -> RoadEvent:
     over : float, optional
         Length of the step [m]; 0.1 m is the ramp of Li, OBrien and Gonzalez (2006).
 
-    Returns
-    -------
-    RoadEvent
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not a finite number, `over` is not positive, or the step is steeper than
-        1 m/m.
+    {event}
 
     Examples
     --------
@@ -48,6 +54,7 @@ def step(x: float, height: float, *, over: float = 0.1) -> RoadEvent:
     return _rise("step", x, height, ("over", over))
 
 
+@documented
 def ramp(x: float, length: float, height: float) -> RoadEvent:
     """Return a permanent change of level by a straight ramp.
 
@@ -60,15 +67,7 @@ def ramp(x: float, length: float, height: float) -> RoadEvent:
     height : float
         Change of level [m], positive up, negative for a ramp down.
 
-    Returns
-    -------
-    RoadEvent
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not a finite number, `length` is not positive, or the ramp is steeper
-        than 1 m/m.
+    {event}
 
     Examples
     --------
@@ -79,6 +78,7 @@ def ramp(x: float, length: float, height: float) -> RoadEvent:
     return _rise("ramp", x, height, ("length", length))
 
 
+@documented
 def plank(x: float, length: float, height: float, *, over: float = 0.05) -> RoadEvent:
     """Return a plank on the road: up, flat, and down again.
 
@@ -95,15 +95,7 @@ def plank(x: float, length: float, height: float, *, over: float = 0.05) -> Road
     over : float, optional
         Length of each of the two edges [m], below half of `length`.
 
-    Returns
-    -------
-    RoadEvent
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not a finite number, `length` or `over` is not positive, the edges leave
-        no flat top, or they are steeper than 1 m/m.
+    {event}
 
     References
     ----------
@@ -131,11 +123,13 @@ def plank(x: float, length: float, height: float, *, over: float = 0.05) -> Road
     return RoadEvent(stations, [0.0, rise, rise, 0.0], _label("plank", rise, start))
 
 
+@documented
 def bump(x: float, length: float, height: float) -> RoadEvent:
     """Return a 1-cosine hump, height / 2 (1 - cos(2 pi s / length)).
 
-    It has 51 points: the 50 chords between them stay within pi^2 / (4 * 50^2) = 0.99e-3 of the
-    height from the curve, the peak is one of the points, and the area is exact.
+    Its steepest slope is pi height / length. It has 51 points: the 50 chords between them stay
+    within pi^2 / (4 * 50^2) = 0.99e-3 of the height from the curve, the peak is one of the points,
+    and the area is exact.
 
     Parameters
     ----------
@@ -144,17 +138,13 @@ def bump(x: float, length: float, height: float) -> RoadEvent:
     length : float
         Length of the hump [m].
     height : float
-        Height of its middle [m], positive up, negative for a dip.
+        Height of its middle [m], positive up; negative for a pothole, as Pesterev et al. use.
 
-    Returns
-    -------
-    RoadEvent
+    {event}
 
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not a finite number, `length` is not positive, or the hump is steeper
-        than 1 m/m (its steepest slope is pi height / length).
+    References
+    ----------
+    A. V. Pesterev, L. A. Bergman, C. A. Tan, Journal of Sound and Vibration 275 (2004) 127-149.
 
     Examples
     --------
@@ -166,45 +156,7 @@ def bump(x: float, length: float, height: float) -> RoadEvent:
     return _cosine("bump", x, length, ("height", rise), rise)
 
 
-def pothole(x: float, length: float, depth: float) -> RoadEvent:
-    """Return a cosine pothole, -depth / 2 (1 - cos(2 pi s / length)), as Pesterev et al. use.
-
-    It is a `bump` upside down, of as many points.
-
-    Parameters
-    ----------
-    x : float
-        Station where the pothole begins [m].
-    length : float
-        Length of the pothole [m].
-    depth : float
-        Depth of its middle [m], 0 or more.
-
-    Returns
-    -------
-    RoadEvent
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not a finite number, `length` is not positive, `depth` is negative, or
-        the pothole is steeper than 1 m/m (its steepest slope is pi depth / length).
-
-    References
-    ----------
-    A. V. Pesterev, L. A. Bergman, C. A. Tan, A novel approach to the calculation of pothole-induced
-    contact forces in MDOF vehicle models, Journal of Sound and Vibration 275 (2004) 127-149.
-
-    Examples
-    --------
-    >>> from bridgectl.road import pothole
-    >>> pothole(8.0, length=0.8, depth=0.050)
-    RoadEvent('pothole of 50 mm at 8 m', 51 points, x from 8 m to 8.8 m, rise from -0.05 m to 0 m)
-    """
-    fall = check.not_negative("depth", depth, unit="m")
-    return _cosine("pothole", x, length, ("depth", fall), -fall)
-
-
+@documented
 def settlement(length: float, depth: float, *, x: float = 0.0, shape: str = "linear") -> RoadEvent:
     """Return the settlement of an approach: the embankment has sunk by `depth`, the bridge has not.
 
@@ -226,15 +178,7 @@ def settlement(length: float, depth: float, *, x: float = 0.0, shape: str = "lin
         75 % of the settlement in the half of the slab nearest to it, and drawn with 17 points,
         within 1e-3 of the depth.
 
-    Returns
-    -------
-    RoadEvent
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not a finite number, `length` is not positive, `depth` is negative,
-        `shape` is another word, or the slab is steeper than 1 m/m.
+    {event}
 
     References
     ----------

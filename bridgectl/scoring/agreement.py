@@ -49,25 +49,7 @@ class Paired(NamedTuple):
 
 
 def paired(differences: FloatArray) -> Paired:
-    """Return the mean of some differences with its confidence interval (Student's t).
-
-    Parameters
-    ----------
-    differences : ndarray, shape (n,)
-        One for each road, in the unit of the measure.
-
-    Returns
-    -------
-    Paired
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.scoring.agreement import paired
-    >>> found = paired(np.array([-0.04, -0.06, -0.05]))
-    >>> f"{found.mean:.3f}, {found.low:.3f} to {found.high:.3f}", found.clear
-    ('-0.050, -0.075 to -0.025', True)
-    """
+    """Return the mean of differences (n_roads,) with its confidence interval (Student's t)."""
     from scipy.stats import t  # slow to load
 
     n, mean = len(differences), float(differences.mean())
@@ -79,25 +61,7 @@ def paired(differences: FloatArray) -> Paired:
 
 
 def rank_correlation(first: FloatArray, second: FloatArray) -> float:
-    """Return Spearman's rank correlation; NaN where all values of one are the same.
-
-    Parameters
-    ----------
-    first, second : ndarray, shape (n,)
-        As `paired`: each in a unit of its own, since ranks alone count.
-
-    Returns
-    -------
-    float
-        -1 to 1, dimensionless.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.scoring.agreement import rank_correlation
-    >>> round(rank_correlation(np.array([1.0, 2.0, 3.0]), np.array([1.0, 4.0, 9.0])), 6)
-    1.0
-    """
+    """Return Spearman's rank correlation; NaN where all values of one are the same."""
     from scipy.stats import spearmanr
 
     if np.ptp(first) == 0 or np.ptp(second) == 0:
@@ -141,31 +105,10 @@ class Pairs(NamedTuple):
 
 
 def over_roads(values: FloatArray, statistic: str = "mean") -> FloatArray:
-    """Return the mean over roads and speeds, or the spread over roads, of each strategy.
+    """Return the mean over roads and speeds of each strategy, (n_strategies,).
 
-    Parameters
-    ----------
-    values : ndarray, shape (n_strategies, n_roads, n_speeds)
-        In the unit of the measure.
-    statistic : {"mean", "spread"}, optional
-        The spread is the standard deviation over the roads, averaged over the speeds.
-
-    Returns
-    -------
-    ndarray, shape (n_strategies,)
-        In the unit of the measure; the spread over a single road is NaN.
-
-    Raises
-    ------
-    ValueError
-        If the statistic is unknown.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.scoring.agreement import over_roads
-    >>> over_roads(np.array([[[1.0], [1.2]]]), "spread").round(3)
-    array([0.141])
+    Or the spread: the standard deviation over the roads, averaged over the speeds; of values of
+    shape (n_strategies, n_roads, n_speeds).
     """
     check.choice("statistic", statistic, ("mean", "spread"))
     if statistic == "mean":
@@ -182,31 +125,8 @@ def agreement(
 ) -> Agreement:
     """Compare the order of strategies by an estimate with that by simulation.
 
-    Parameters
-    ----------
-    estimate : ndarray, shape (n_strategies,) or (n_strategies, n_roads, n_speeds)
-        Of each strategy, or of each road, over which the statistic is then taken [-].
-    simulated : ndarray, shape (n_strategies, n_roads, n_speeds)
-        Simulated values [-].
-    statistic : {"mean", "spread"}, optional
-        What is compared: see `over_roads`.
-
-    Returns
-    -------
-    Agreement
-
-    Raises
-    ------
-    ValueError
-        If the statistic is unknown.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.scoring.agreement import agreement
-    >>> simulated = np.array([[[1.0], [1.1]], [[1.2], [1.3]], [[1.1], [1.2]]])
-    >>> agreement(np.array([0.9, 1.0, 0.95]), simulated)
-    Agreement(tau 1.00, 95% from 1.00 to 1.00)
+    `simulated` has shape (n_strategies, n_roads, n_speeds), and so has `estimate`, or
+    (n_strategies,) if there is nothing left to take a mean or spread of.
     """
     from scipy.stats import kendalltau
 
@@ -232,27 +152,9 @@ def pairs_in_order(
 ) -> Pairs:
     """Count the pairs of strategies that an estimate has in the order of the simulated means.
 
-    Parameters
-    ----------
-    estimate : ndarray, shape (n_strategies,)
-        Of each strategy [-].
-    simulated : ndarray, shape (n_strategies, n_roads)
-        Simulated values of each road, the same roads for all [-].
-    least : float, optional
-        Pairs count whose means differ by more than this. Default: those that differ clearly, with
-        95 % confidence, paired by road.
-
-    Returns
-    -------
-    Pairs
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from bridgectl.scoring.agreement import pairs_in_order
-    >>> simulated = np.array([[1.00, 1.01, 1.02], [1.10, 1.12, 1.11], [1.11, 1.12, 1.12]])
-    >>> pairs_in_order(np.array([0.9, 1.0, 0.8]), simulated, least=0.05)
-    Pairs(right=1, number=2)
+    The estimate has shape (n_strategies,), `simulated` (n_strategies, n_roads), the same roads for
+    all. Pairs count whose means differ by more than `least`, or else with 95 % confidence, paired
+    by road.
     """
     right = number = 0
     for i, j in combinations(range(len(simulated)), 2):

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._units import to_kmh
 from bridgectl._version import __version__
 from bridgectl.model.bridge import BridgeModel, described
 from bridgectl.model.quarter_car import QuarterCar
@@ -94,7 +95,7 @@ class Scoreboard:
     surfaces: Mapping[str, tuple[RampSurface, ...]] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
-        kmh = self.speeds * 3.6
+        kmh = to_kmh(self.speeds)
         return (
             f"Scoreboard({len(self.strategies)} strategies, {len(self.roads)} roads, "
             f"{kmh.size} speeds from {kmh.min():g} to {kmh.max():g} km/h)"
@@ -291,8 +292,8 @@ class Scoreboard:
         }
 
     def plot(self) -> Figure:
-        """Return a figure of the scores: see `bridgectl.plots.score_figure`."""
-        from bridgectl.plots import score_figure  # late, for matplotlib is slow to load
+        """Return a figure of the scores: see `bridgectl.plots.scores.score_figure`."""
+        from bridgectl.plots.scores import score_figure  # late, for matplotlib is slow to load
 
         return score_figure(self)
 

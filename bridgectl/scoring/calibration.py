@@ -90,34 +90,17 @@ def calibrated_class_dae(
     step = surface.ramp_length
     length = step * len(surface.positions)
     roads = iso8608_elevations(count, roughness, length, step, seed=seed, **spectrum)
-    mean, error = mirror_mean(surface, roads, damper)
+    mean, error = _mirror_mean(surface, roads, damper)
     return replace(closed, mean=mean, mirror_pairs=count, standard_error=error)
 
 
-def mirror_mean(
+def _mirror_mean(
     surface: RampSurface, roads: FloatArray, damper: Damper | Strategy | None
 ) -> tuple[FloatArray, FloatArray]:
     """Return the mean simulated DAF of roads and their mirror images, and its standard error.
 
-    In a pair the odd effects of ramps cancel; the pairs are the independent samples.
-
-    Parameters
-    ----------
-    surface : RampSurface
-        What is crossed, and the speeds.
-    roads : ndarray, shape (n_pairs, n_ramps + 1)
-        Elevations at its stations [m].
-    damper : Damper or Strategy, optional
-        The damper that the surface was made with; needed if it is semi-active.
-
-    Returns
-    -------
-    mean, standard_error : ndarray, shape (n_speeds,)
-
-    Raises
-    ------
-    TypeError, ValueError
-        If `damper` is missing or another than the surface's.
+    In a pair the odd effects of ramps cancel; the pairs are the independent samples. The roads are
+    elevations [m], shape (n_pairs, n_ramps + 1); a damper must be the surface's own.
     """
     device = None if damper is None else as_damper(damper)
     both = np.vstack([roads, -roads])

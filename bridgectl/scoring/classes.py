@@ -16,7 +16,7 @@ from bridgectl._checks import FloatArray
 from bridgectl.dampers import Damper
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.model.crossing import Crossing
-from bridgectl.road import ramp_covariance
+from bridgectl.road.iso8608 import ramp_covariance
 from bridgectl.road.psd import CLASSES
 from bridgectl.simulate import ramp_surface
 from bridgectl.surface.compute import RAMP_LENGTH, RampGrid, class_height
@@ -28,13 +28,7 @@ EVERY = 10
 
 
 def classes_of(elevations: FloatArray) -> tuple[str, ...]:
-    """Return the class of each road whose ramps have the nearest standard deviation.
-
-    Parameters
-    ----------
-    elevations : ndarray, shape (n_roads, n)
-        Elevations at steps of a ramp [m].
-    """
+    """Return the class of each road (n_roads, n) [m] whose ramps have the nearest spread."""
     variances = np.diff(elevations, axis=1).var(axis=1)
     least = ramp_covariance(CLASSES[0], 1, RAMP_LENGTH)[0]
     with np.errstate(divide="ignore"):  # a smooth road is of the first class

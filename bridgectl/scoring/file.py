@@ -44,27 +44,9 @@ Shapes = Mapping[str, tuple[int, ...]]
 class Parts:
     """Parts of a score, by name and key; kept in a file, if there is one.
 
-    Parameters
-    ----------
-    path : path-like or None
-        The file. What it holds of the same study is read, and new parts are added at its end.
-    header : dict
-        What tells the study from others.
-    shapes : mapping
-        Parts that are asked for, by name and key: the names and shapes of their arrays.
-
-    Raises
-    ------
-    ValueError
-        If the file is none of these, of another study or another version of bridgectl, or in use:
-        the message says what differs.
-    OSError
-        If the file cannot be read or written; it is named.
-
-    Warns
-    -----
-    UserWarning
-        If lines of the file are damaged: which. They do not count, and all others do.
+    What the file holds of the same study, as the header tells, is read, and new parts are added at
+    its end. Damaged lines do not count, and draw a warning; a file of another study, or in use, is
+    refused. `shapes` has the names and shapes of the arrays of each part that is asked for.
     """
 
     def __init__(

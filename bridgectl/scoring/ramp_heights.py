@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_range
+from bridgectl._units import to_kmh
 from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
 from bridgectl.dampers.loop.closed_loop import simulate_loop
 from bridgectl.dampers.strategy import Strategy
@@ -18,6 +20,10 @@ from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.simulate import ramp_surface
 from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH
+from bridgectl.surface.ramps import one_ramp
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 N_RISING = 40
 """Heights above 0, and as many below, but for those of the unit ramp."""
@@ -59,8 +65,17 @@ class RampHeights:
         return (
             f"RampHeights({self.damper!r}, {self.heights.size} heights up to "
             f"{self.heights[-1] * 1e3:.4g} mm at x = {self.place:.4g} m and "
-            f"{self.speed * 3.6:.4g} km/h, DAF from {self.daf.min():.4f} to {self.daf.max():.4f})"
+            f"{to_kmh(self.speed):.4g} km/h, DAF from {self.daf.min():.4f} to {self.daf.max():.4f})"
         )
+
+    def plot(self, *others: RampHeights) -> Figure:
+        """Draw the DAF over the height, and what the DAE of both orders makes of it.
+
+        Those of other dampers at the same place and speed go beside it.
+        """
+        from bridgectl.plots.ramp_heights import ramp_height_figure  # late: matplotlib is slow
+
+        return ramp_height_figure([self, *others])
 
 
 def ramp_heights(
@@ -133,7 +148,7 @@ def ramp_heights(
     velocity = check.positive("speed", speed, unit="m/s")
     before = check.not_negative("approach", approach, unit="m")
     device, car = as_damper(damper), bare_vehicle(vehicle)
-    judge_crossing(Crossing(beam, car, velocity), velocity)
+    judge_crossing(Crossing(beam, car), velocity)
     judge_range(car, device)
     ramp = _ramp_at(place, before, beam.length)
     reach = check.positive("largest", largest, unit="m")
@@ -154,7 +169,7 @@ def ramp_heights(
     rising = np.linspace(0, max(reach, both.ramp_height), N_RISING + 1)
     rising = np.union1d(rising, both.ramp_height)
     heights = np.concatenate([-rising[:0:-1], rising])
-    roads = -heights[:, np.newaxis] * (np.arange(len(both.stations)) > ramp)
+    roads = one_ramp(both.stations, ramp, heights)
     kept = np.unique([0, ramp, ramp + 1, len(both.stations) - 1])
     found = simulate_loop(beam, vehicle, device, velocity, both.stations[kept], roads[:, kept])
     return RampHeights(

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol
 
 from bridgectl._checks import FloatArray
+from bridgectl._units import to_kmh
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.scoring.agreement import Agreement, Paired, Pairs
@@ -69,7 +70,7 @@ class Row(NamedTuple):
 
     def __repr__(self) -> str:
         return (
-            f"Row({self.strategy!r}, DAF {self.daf:.4f}, at {self.worst_speed * 3.6:g} km/h "
+            f"Row({self.strategy!r}, DAF {self.daf:.4f}, at {to_kmh(self.worst_speed):g} km/h "
             f"{self.worst_daf:.4f}, DAE {self.dae:.4f}, load coefficient "
             f"{self.dynamic_load_coefficient:.4f}, body acceleration {self.body_acceleration:.3g} "
             f"m/s^2, travel up to {self.suspension_travel * 1e3:.3g} mm)"

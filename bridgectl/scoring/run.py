@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
-from bridgectl import measures
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._progress import shows, track
@@ -26,7 +25,9 @@ from bridgectl.dampers import Damper, Strategy
 from bridgectl.dampers.actuator import bare_vehicle
 from bridgectl.dampers.loop.damped import RampsAndRoads, ramps_and_roads
 from bridgectl.dampers.loop.work import require_loop
-from bridgectl.measures.weighting import weighted_rms
+from bridgectl.measures import aggregate_fourth_power, dynamic_load_coefficient, weighted_rms
+from bridgectl.measures.history import largest, rms
+from bridgectl.measures.loads import CELL, road_stress_factor
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
@@ -57,9 +58,6 @@ from bridgectl.surface.surface import RampSurface
 RECORDED = ("tire_force", "body_acceleration", "suspension_travel")
 
 SIMULATED = tuple(name for name in MEASURES if not name.startswith("dae"))
-
-CELL = 0.25
-"""Length of the places whose aggregate fourth power is taken [m]; longer than a sample's way."""
 
 
 def score(
@@ -198,7 +196,7 @@ def _scoreboard(
         names, tuple(np.nan if device.constant is None else device.constant for device in devices),
         tuple(road.name or f"road {i}" for i, road in enumerate(roads, 1)), study.speeds,
         {name: own[name] for name in MEASURES}, own["daf_smooth"], own["fourth_power_95"],
-        study.beam, study.vehicle, -float(study.stations[0]),
+        study.beam, study.vehicle, study.approach,
         study.road_classes, surfaces,
     )  # fmt: skip
 
@@ -219,8 +217,7 @@ def _second_order(
 def _part(study: Study, damper: Damper, piece: Piece) -> Part:
     """Score one strategy on a class, or on some roads: arrays (roads, speeds) of every measure."""
     if isinstance(piece, str):
-        approach = -float(study.stations[0])
-        return class_part(study.crossing, damper, study.speeds, approach, piece)
+        return class_part(study.crossing, damper, study.speeds, study.approach, piece)
     elevations = study.elevations[study.roads_of(piece)]
     ramps = np.arange(study.n_ramps if piece == 0 and damper.kept is None else 0)
     run = ramps_and_roads(
@@ -241,14 +238,14 @@ def _part(study: Study, damper: Damper, piece: Piece) -> Part:
 def _first_order(study: Study, damper: Damper, run: RampsAndRoads) -> Part:
     """DAE of all roads, which comes with the first of them, and DAF of the smooth one."""
     if damper.kept is None:
-        grid = RampGrid(-float(study.stations[0]), RAMP_LENGTH, RAMP_HEIGHT, study.n_ramps)
+        grid = RampGrid(study.approach, RAMP_LENGTH, RAMP_HEIGHT, study.n_ramps)
         surface = grid.surface(
             study.crossing, study.speeds, run.smooth, run.unit[np.newaxis],
             FeedbackHistories(damper.strategy.name),
         )  # fmt: skip
     else:  # exact, and quick
         surface = ramp_surface(
-            study.beam, study.vehicle, study.speeds, approach=-float(study.stations[0]),
+            study.beam, study.vehicle, study.speeds, approach=study.approach,
             section=study.section, recovery=study.recovery, damper=damper,
         )  # fmt: skip
     return {"dae": surface.dae(study.under_ramps), "daf_smooth": surface.daf_smooth}
@@ -274,15 +271,16 @@ def _measure(study: Study, damper: Damper, run: RampsAndRoads) -> Part:
     fourth = []
     for speed, history in zip(study.speeds, run.roads.histories, strict=True):
         force, ride = history["tire_force"], history["body_acceleration"]
-        columns["dynamic_load_coefficient"].append(measures.dynamic_load_coefficient(force, load))
+        columns["dynamic_load_coefficient"].append(dynamic_load_coefficient(force, load))
         columns["tire_force_95"].append(np.percentile(force, 95, axis=-1) / load)
-        columns["road_stress"].append(measures.road_stress_factor(force, load))
-        columns["body_acceleration"].append(measures.rms(ride))
+        columns["road_stress"].append(road_stress_factor(force, load))
+        columns["body_acceleration"].append(rms(ride))
         columns["weighted_acceleration"].append(weighted_rms(ride, damper.sample_time))
-        columns["suspension_travel"].append(measures.largest(history["suspension_travel"]))
+        columns["suspension_travel"].append(largest(history["suspension_travel"]))
         x = study.stations[0] + speed * damper.sample_time * np.arange(force.shape[1])
+        # Longer than a sample's way.
         cell = max(CELL, 2 * speed * damper.sample_time)
-        fourth.append([measures.aggregate_fourth_power(f, load, x, cell).values for f in force])
+        fourth.append([aggregate_fourth_power(f, load, x, cell).values for f in force])
     shortest = min(len(row) for rows in fourth for row in rows)
     places = np.array([[row[:shortest] for row in rows] for rows in fourth]).mean(axis=0)
     return {

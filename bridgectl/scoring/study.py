@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl._places import SAME_PLACE, count_pieces
+from bridgectl._places import SAME_PLACE, count_pieces, even_places
 from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel, described
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import Crossing, make_crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
 from bridgectl.road.sampling import warn_if_coarse
@@ -48,8 +48,13 @@ class Study:
 
     @property
     def crossing(self) -> Crossing:
-        """The crossing at the first speed, which does not count."""
-        return Crossing(self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery)
+        """What crosses what, and the moment that counts."""
+        return make_crossing(self.beam, self.vehicle, "moment", self.section, self.recovery)
+
+    @property
+    def approach(self) -> float:
+        """Road before the bridge [m]."""
+        return -float(self.stations[0])
 
     @property
     def positions(self) -> FloatArray:
@@ -134,7 +139,7 @@ def make_study(
     _ = study.crossing  # what is wrong with beam, section or recovery is told first
     n_ramps = count_pieces(before + beam.length, RAMP_LENGTH)
     n_pieces = count_pieces(before + beam.length + after, RAMP_LENGTH)
-    stations = -before + RAMP_LENGTH * np.arange(n_pieces + 1)
+    stations = even_places(-before, RAMP_LENGTH, n_pieces + 1)
     for i, road in enumerate(roads, 1):
         road.require(-before, beam.length + after, f"the crossing, of road {i},", "approach")
         warn_if_coarse(road, "dynamic amplification")

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from rich.table import Table
 
 from bridgectl._tables import make_console, make_table
+from bridgectl._units import to_kmh
 from bridgectl.scoring.agreement import CONFIDENCE, Paired
 from bridgectl.scoring.rows import CLASS_DAE, Board, ClassRow, Ranking, Row
 
@@ -170,7 +171,7 @@ def _daf_sentences(board: Board, rows: Sequence[Row]) -> list[str]:
 
 def _heading(board: Board) -> str:
     """What was simulated."""
-    kmh = board.speeds * 3.6
+    kmh = to_kmh(board.speeds)
     names = list(board.roads)
     if len(names) > NAMED_ROADS:
         names = [*names[: NAMED_ROADS - 1], "...", names[-1]]
@@ -195,7 +196,7 @@ def _bridge_table(rows: Sequence[Row], first: str) -> Table:
     table = make_table("The bridge: dynamic amplification", columns, ["strategy", "clear"])
     for row in rows:
         cells = ["-", "-", "-", ""] if row.strategy == first else _difference(row.daf_difference)
-        worst = f"{row.worst_daf:.3f}", f"{row.worst_speed * 3.6:g}"
+        worst = f"{row.worst_daf:.3f}", f"{to_kmh(row.worst_speed):g}"
         style = "bold" if row.strategy == first else None
         table.add_row(row.strategy, f"{row.daf:.4f}", *cells, *worst, style=style)
     return table

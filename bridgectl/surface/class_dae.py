@@ -52,22 +52,7 @@ class ClassDae:
         )
 
     def percentile(self, percent: ArrayLike) -> FloatArray:
-        """What so many percent of the roads stay below, as of a normal distribution.
-
-        Parameters
-        ----------
-        percent : float or array_like
-            Above 0, below 100 [%].
-
-        Returns
-        -------
-        ndarray, shape (n_speeds,) or (n, n_speeds)
-
-        Raises
-        ------
-        TypeError, ValueError
-            If a percentage is not between 0 and 100.
-        """
+        """What so many percent of the roads stay below, as of a normal distribution."""
         share = _checks.floats("percent", percent) / 100
         if not np.all((share > 0) & (share < 1)):
             raise ValueError(f"percent must lie between 0 and 100, got {percent!r}: type 95")
@@ -83,16 +68,8 @@ def over_class(
 ) -> ClassDae:
     """Mean and standard deviation of DAF_smooth + o s + e s^2 for normal ramps s.
 
-    With S = `covariance`: mean = smooth + sum_i e_i S_ii, variance = o' S o + 2 tr((E S)^2).
-
-    Parameters
-    ----------
-    speeds, smooth : ndarray, shape (n_speeds,)
-        Speeds [m/s], DAF of a smooth road.
-    odd, even : ndarray, shape (n_speeds, n_ramps)
-        o and e, for ramps in units of the unit ramp; `even` is None for the first order.
-    covariance : ndarray, shape (n_ramps,)
-        Covariance of ramps by the ramps between them, in the same units.
+    With S = `covariance` by the ramps between them: mean = smooth + sum_i e_i S_ii, variance =
+    o' S o + 2 tr((E S)^2). Ramps are in units of the unit ramp; `even` is None for the first order.
     """
     variance = np.einsum("si,is->s", odd, matmul_toeplitz(covariance, odd.T))
     mean = smooth.copy()

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._places import count_pieces, even_places
 from bridgectl._progress import track
 from bridgectl._warn import warn
 from bridgectl.linear.cells import bridge_entry, sample_positions
@@ -18,9 +19,12 @@ from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import Run, prepare, reference_effect
 from bridgectl.model.crossing import Crossing
-from bridgectl.road import RoadProfile, ramp_covariance
+from bridgectl.model.motion import Motion
+from bridgectl.road import RoadProfile
+from bridgectl.road.iso8608 import ramp_covariance
 from bridgectl.road.psd import CLASSES
 from bridgectl.surface.histories import DenseHistories, Histories, factor_histories
+from bridgectl.surface.ramps import ends_of_ramps, one_ramp
 from bridgectl.surface.surface import RampSurface
 from bridgectl.surface.tire_contact import TireContact
 
@@ -59,13 +63,12 @@ class RampGrid:
     @property
     def positions(self) -> FloatArray:
         """Start of each ramp [m]."""
-        return -self.approach + self.length * np.arange(self.n_ramps)
+        return even_places(-self.approach, self.length, self.n_ramps)
 
     @cached_property
     def edges(self) -> FloatArray:
         """Ends of the ramps [m]."""
-        x = self.positions
-        return np.append(x, x[-1] + self.length)
+        return ends_of_ramps(self.positions, self.length)
 
     @property
     def heights(self) -> FloatArray:
@@ -84,10 +87,29 @@ class RampGrid:
         x = self.positions
         unit, *rise = between(x, x[:: self.every], ramps)
         return RampSurface(
-            crossing.beam, crossing.vehicle, crossing.section, crossing.recovery, crossing.effect,
-            self.approach, self.length, self.height, speeds, x, smooth, unit, histories,
+            crossing.beam, crossing.vehicle, crossing.effect, self.approach, self.length,
+            self.height, speeds, x, smooth, unit, histories,
             rise[0] if self.both_ways else None, self.every,
         )  # fmt: skip
+
+
+def ramp_grid(
+    bridge: float, approach: float, ramp_length: float, ramp_height: float | str,
+    both_ways: bool, every: int,
+) -> RampGrid:  # fmt: skip
+    """Check where ramps are to lie before and on a bridge so long [m]: see `ramp_surface`."""
+    length = _checks.positive("ramp_length", ramp_length, unit="m")
+    before = _checks.not_negative("approach", approach, unit="m")
+    _checks.flag("both_ways", both_ways)
+    step = _checks.integer("every", every, at_least=1)
+    if length > bridge:
+        raise ValueError(
+            f"ramp_length must not exceed the bridge of {bridge:g} m, got {length:g} m: for "
+            f"{length:g} mm type {length / 1000:g}"
+        )
+    n_ramps = count_pieces(before + bridge, length)
+    height = unit_height(ramp_height, length, n_ramps)
+    return RampGrid(before, length, height, n_ramps, both_ways, step)
 
 
 def linear_surface(
@@ -97,7 +119,7 @@ def linear_surface(
     method: str = "propagator",
     progress: bool = True,
 ) -> RampSurface:
-    """Compute the surface of a linear crossing, whose speed does not count: see `ramp_surface`."""
+    """Compute the surface of a linear crossing: see `ramp_surface`."""
     # The smooth road has nodes at the ramps' ends all the same.
     run = prepare(crossing, RoadProfile(grid.edges, np.zeros_like(grid.edges)), -grid.approach)
     histories: Histories
@@ -105,10 +127,9 @@ def linear_surface(
         histories = factor_histories(run, speeds, grid.length, grid.n_ramps)
     else:
         histories = _simulate_ramps(run, grid.edges, speeds, grid.height, progress)
-    smooth = find_peaks(histories.smooth.T).values
-    ramps = np.array([[histories.peaks(i, h) for i in range(speeds.size)] for h in grid.heights])[
-        ..., :: grid.every
-    ]
+    smooth = crossing.orientation * find_peaks(histories.smooth.T).values
+    peaks = [[histories.peaks(i, h) for i in range(speeds.size)] for h in grid.heights]
+    ramps = crossing.orientation * np.array(peaks)[..., :: grid.every]
     vehicle = crossing.linear
     if vehicle.n_tires == 1:  # of several tires, lift-off is looked for in roads alone
         force = LIFTING * vehicle.tire_stiffnesses[0] * grid.height
@@ -128,7 +149,7 @@ def _fly(run: Run, speeds: FloatArray, grid: RampGrid, ramps: FloatArray, progre
     for k, place in track(cases, "Simulating ramps that lift tires", len(cases), show=progress):
         ramp = place * grid.every
         where = doubtful[k, :, ramp]
-        road = RoadProfile(grid.edges, -grid.heights[k] * (np.arange(grid.n_ramps + 1) > ramp))
+        road = RoadProfile(grid.edges, one_ramp(grid.edges, ramp, grid.heights[k]))
         with warnings.catch_warnings(record=True) as told:
             warnings.simplefilter("always", LiftOffWarning)
             found = linear_dafs(run._replace(profile=road), speeds[where], progress=False)
@@ -184,11 +205,9 @@ def _simulate_ramps(
     cases = [(i, ramp) for i in range(len(speeds)) for ramp in range(n_ramps + 1)]
     for i, ramp in track(cases, "Simulating ramps", len(cases), show=progress):
         # After the last edge there is no ramp: the smooth road.
-        road = RoadProfile(edges, -height * (np.arange(n_ramps + 1) > ramp))
-        at_speed = replace(run.crossing, speed=float(speeds[i]))
-        moments[i, ramp] = reference_effect(
-            run._replace(crossing=at_speed, profile=road), positions
-        )
+        road = RoadProfile(edges, one_ramp(edges, ramp, height))
+        motion = Motion(float(speeds[i]))
+        moments[i, ramp] = reference_effect(run._replace(profile=road), motion, positions)
     smooth = moments[:, -1]
     unit = (moments[:, :-1] - smooth[:, np.newaxis]) / height
     return DenseHistories(nodes, smooth, np.moveaxis(unit, 1, 2))

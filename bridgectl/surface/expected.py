@@ -10,6 +10,7 @@ import numpy as np
 
 from bridgectl import _checks
 from bridgectl.model.beam import Beam
+from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.recovery import RECOVERIES
 from bridgectl.model.vehicle import Vehicle
@@ -27,7 +28,7 @@ class SurfaceFileError(ValueError):
 
 def checked_expectations(kind: type[Any], **given: Any) -> dict[str, Any]:
     """Return the expected parameters, without those omitted."""
-    allowed = [f.name for f in dataclasses.fields(kind) if f.init]
+    allowed = ["section", "recovery", *(f.name for f in dataclasses.fields(kind) if f.init)]
     allowed = [name for name in allowed if name not in COMPUTED]
     for name in given:
         if name not in allowed:
@@ -51,6 +52,8 @@ def _expectation(name: str, value: Any) -> Any:
         return _checks.fraction(name, value)
     if name == "recovery":
         return _checks.choice(name, value, RECOVERIES)
+    if name == "effect" and not isinstance(value, Effect):
+        raise TypeError(f"effect must be one as bridgectl.Moment(at=12.5), got {value!r}")
     return _checks.number(name, value, unit=UNITS[name]) if name in UNITS else value
 
 
@@ -72,6 +75,9 @@ def _differences(name: str, found: Any, wanted: Any) -> Iterator[str]:
     """What differs of a parameter, with both values."""
     if name == "vehicle" and type(found) is not type(wanted):
         found, wanted = found.linear, wanted.linear
+    if name == "effect" and type(found) is not type(wanted):
+        yield f"effect is {found!r} in the file, {wanted!r} expected"
+        return
     wanted_leaves = dict(leaves(wanted, name))
     for where, leaf in leaves(found, name):
         if not _same(leaf, wanted_leaves[where]):

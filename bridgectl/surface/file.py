@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from bridgectl import _checks, _version
 from bridgectl._files import replacing
 from bridgectl.model.beam import Beam
+from bridgectl.model.effects import BodyAcceleration, Deflection, Moment, TireForce
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.surface.factored import FactoredHistories
@@ -30,15 +31,19 @@ from bridgectl.surface.histories import DenseHistories
 from bridgectl.surface.parts import AXES, UNITS, leaves, parts, require_surface
 
 FORMAT = "bridgectl ramp surface"
-VERSION = 2
+VERSION = 3
 """Version of the format: files of another one are refused."""
 
 WHOLE = "RampSurface"
 """What the whole is called; its class lies above this module."""
 
 PARTS: dict[str, type[Any]] = {
-    kind.__name__: kind for kind in (Beam, QuarterCar, Vehicle, FactoredHistories, DenseHistories)
-}
+    kind.__name__: kind
+    for kind in (
+        Beam, QuarterCar, Vehicle, Moment, Deflection, TireForce, BodyAcceleration,
+        FactoredHistories, DenseHistories,
+    )
+}  # fmt: skip
 """Classes of the parts."""
 
 Array = NDArray[Any]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
-from bridgectl._places import SAME_PLACE
+from bridgectl._places import SAME_PLACE, even_places
 from bridgectl.linear.cells import SAMPLES, Cells, bridge_entry, build_cells
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.runs import Run, speed_batches
@@ -203,7 +203,7 @@ def _entry_states(run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int
     crossing, n = run.crossing, run.crossing.n_vehicle
     vehicle = crossing.linear
     states = np.zeros((len(speeds), crossing.n_states + vehicle.n_tires, n_ramps))
-    starts = run.start + ramp_length * np.arange(n_ramps)
+    starts = even_places(run.start, ramp_length, n_ramps)
     past = (crossing.tire_positions(0.0)[:, np.newaxis] - starts) / ramp_length
     # Ends of ramps under a tire at the entry are passed, but for round-off.
     past = np.where(np.abs(past - np.round(past)) * ramp_length < SAME_PLACE, np.round(past), past)

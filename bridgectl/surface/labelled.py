@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bridgectl import _version
+from bridgectl._units import to_kmh
 from bridgectl.surface.parts import COMPUTED, UNITS, leaves, require_surface
 
 if TYPE_CHECKING:
@@ -56,21 +57,22 @@ def surface_to_xarray(surface: Any) -> xarray.Dataset:
         message = f"to_xarray needs the package xarray: type {_INSTALL}"
         raise ImportError(message, name="xarray") from None
     both, x = ("speed", "position"), surface.positions
-    unit = "m/s^2" if surface.effect == "acceleration" else "1"
+    daf, unit = surface.quantity
+    unit = unit.replace("-", "1")
     unit_ramp = f"unit ramp, {surface.ramp_height:g} m down over {surface.ramp_length:g} m"
     return xarray.Dataset(
         {
-            "daf_smooth": ("speed", surface.daf_smooth, _labels(unit, "DAF of a smooth road")),
-            "daf_unit": (both, surface.daf_unit, _labels(unit, f"DAF of a {unit_ramp}")),
+            "daf_smooth": ("speed", surface.daf_smooth, _labels(unit, f"{daf} of a smooth road")),
+            "daf_unit": (both, surface.daf_unit, _labels(unit, f"{daf} of a {unit_ramp}")),
             "daf_difference": (
                 both,
                 surface.daf_difference,
-                _labels(unit, f"change of the DAF by a {unit_ramp}"),
+                _labels(unit, f"change of the {daf} by a {unit_ramp}"),
             ),
         },
         {
             "speed": ("speed", surface.speeds, _labels("m/s", "speed c")),
-            "speed_kmh": ("speed", surface.speeds * 3.6, _labels("km/h", "speed c")),
+            "speed_kmh": ("speed", to_kmh(surface.speeds), _labels("km/h", "speed c")),
             "position": ("position", x, _labels("m", "start x of the ramp on the bridge")),
             "x_over_l": ("position", x / surface.beam.length, _labels("1", "start x / l")),
         },
@@ -85,7 +87,8 @@ def _labels(unit: str, name: str) -> dict[str, str]:
 def _attributes(surface: Any) -> Iterator[tuple[str, Any]]:
     """Parameters as NetCDF can hold them: numbers, lists of them, and text."""
     yield "bridgectl_version", _version.__version__
-    yield "vehicle", type(surface.vehicle).__name__
+    for name in ("vehicle", "effect"):
+        yield name, type(getattr(surface, name)).__name__
     for name, leaf in leaves(surface):
         if name.partition(".")[0] in (*COMPUTED, "speeds"):
             continue

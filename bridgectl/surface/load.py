@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl import _checks, _version
-from bridgectl._places import SAME_PLACE, count_pieces
+from bridgectl._places import SAME_PLACE, count_pieces, even_places
 from bridgectl.linear.cells import sample_positions
 from bridgectl.model.beam import Beam
 from bridgectl.model.quarter_car import QuarterCar
@@ -159,12 +159,12 @@ def _require_fitting_parts(surface: RampSurface) -> None:
     """Check the surface as `ramp_surface` does its arguments, and the arrays against them."""
     _checks.speeds(surface.speeds)
     surface.speeds.flags.writeable = False
-    surface._crossing()
+    _ = surface._crossing
     before = _checks.not_negative("approach", surface.approach, unit="m")
     length = _checks.positive("ramp_length", surface.ramp_length, unit="m")
     _checks.positive("ramp_height", surface.ramp_height, unit="m")
     n_ramps = count_pieces(before + surface.beam.length, length)
-    expected = -before + length * np.arange(len(surface.positions))
+    expected = even_places(-before, length, len(surface.positions))
     if len(expected) != n_ramps or np.abs(surface.positions - expected).max() > SAME_PLACE:
         raise _Misfit(f"'positions' are not those of {n_ramps} ramps over approach and bridge")
     _require_fitting_histories(surface)

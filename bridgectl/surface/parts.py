@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 UNITS = {
-    "section": "1", "approach": "m", "ramp_length": "m", "ramp_height": "m",
+    "section": "1", "effect.at": "m", "approach": "m", "ramp_length": "m", "ramp_height": "m",
     "speeds": "m/s", "positions": "m", "daf_smooth": "1", "daf_unit": "1", "daf_rise": "1",
     "beam.length": "m", "beam.mass_per_length": "kg/m", "beam.flexural_rigidity": "N m^2",
     "beam.n_modes": "1", "beam.damping_ratio": "1",

@@ -15,6 +15,7 @@ from bridgectl._checks import FloatArray
 from bridgectl.linear.runs import linear_contact, prepare
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
+from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
@@ -28,15 +29,23 @@ ROADS_AT_ONCE = 250
 """Roads whose histories are superposed together."""
 
 
+def ends_of_ramps(starts: FloatArray, length: float) -> FloatArray:
+    """Return where the ramps begin, and where the last one ends [m]."""
+    return np.append(starts, starts[-1] + length)
+
+
+def one_ramp(ends: FloatArray, ramp: int, drop: float | FloatArray) -> FloatArray:
+    """Elevations [m] of roads, at the ends of the ramps, that are level but for a drop over one."""
+    return np.multiply.outer(-np.asarray(drop), np.arange(len(ends)) > ramp)
+
+
 @dataclass(frozen=True, eq=False)
 class UnitRamps:
     """What crosses what over which ramps: see `bridgectl.RampSurface`, which is one."""
 
     beam: BridgeModel
     vehicle: Vehicle | QuarterCar
-    section: float
-    recovery: str
-    effect: str
+    effect: Effect
     approach: float
     ramp_length: float
     ramp_height: float
@@ -46,7 +55,7 @@ class UnitRamps:
     @property
     def stations(self) -> FloatArray:
         """Ends of the ramps [m]: where roads given as arrays have their elevations."""
-        return np.append(self.positions, self.positions[-1] + self.ramp_length)
+        return ends_of_ramps(self.positions, self.ramp_length)
 
     def ramps(self, roads: Roads) -> FloatArray:
         """Ramp scale factors s(i) of a road or of many, Eq. (14): positive for a drop.
@@ -76,7 +85,7 @@ class UnitRamps:
             `RoadProfile.measured_step`.
         """
         if isinstance(roads, RoadProfile):
-            prepare(self._crossing(), roads, -self.approach, pieces=self.ramp_length)
+            prepare(self._crossing, roads, -self.approach, pieces=self.ramp_length)
             ramps = roads.ramps(self.ramp_length, start=-self.approach, stop=self.beam.length)
             return np.asarray(ramps.heights / self.ramp_height)
         if isinstance(roads, Sequence) and any(isinstance(road, RoadProfile) for road in roads):
@@ -121,8 +130,7 @@ class UnitRamps:
             If there is not one drop for each ramp, or a ramp is steeper than 1 m/m.
         """
         falls = _checks.array("drops", drops, (len(self.positions),), unit="m")
-        x = np.append(self.positions, self.positions[-1] + self.ramp_length)
-        road = RoadProfile(x, -np.append(0.0, np.cumsum(falls)), name=name)
+        road = RoadProfile(self.stations, -np.append(0.0, np.cumsum(falls)), name=name)
         # Its ramps are meant to be straight, whatever their length.
         return road._measured_as(min(self.ramp_length, COARSE))
 
@@ -142,7 +150,7 @@ class UnitRamps:
         """
         if self._contact is not None:
             return np.array([self._contact.doubtful(i, drops) for i in range(len(self.speeds))])
-        runs = [prepare(self._crossing(), self.road(road), -self.approach) for road in drops.T]
+        runs = [prepare(self._crossing, self.road(road), -self.approach) for road in drops.T]
         return ~np.column_stack([linear_contact(run, self.speeds) for run in runs])
 
     @cached_property
@@ -150,13 +158,29 @@ class UnitRamps:
         """Tire forces of the same ramps; None for several tires, whose roads are simulated."""
         if self.vehicle.linear.n_tires > 1:
             return None
-        run = prepare(self._crossing(), self.road(np.zeros(len(self.positions))), -self.approach)
+        run = prepare(self._crossing, self.road(np.zeros(len(self.positions))), -self.approach)
         return TireContact(run, self.speeds, self.ramp_length, len(self.positions))
 
+    @cached_property
     def _crossing(self) -> Crossing:
-        return Crossing(
-            self.beam, self.vehicle, float(self.speeds[0]), self.section, self.recovery, self.effect
-        )
+        return Crossing(self.beam, self.vehicle, self.effect)
+
+    @property
+    def quantity(self) -> tuple[str, str]:
+        """Name and unit of what stands under the names of DAFs: of a peak where there is none."""
+        effect = self.effect
+        is_factor = self._crossing.static_peak != 0
+        return ("DAF", "-") if is_factor else (f"{effect.sense} {effect.label}", effect.unit)
+
+    @property
+    def section(self) -> float:
+        """Section of the moment or deflection, as a fraction of the bridge's length."""
+        return self._crossing.section
+
+    @property
+    def recovery(self) -> str:
+        """How moments are recovered: see `bridgectl.Moment`."""
+        return self._crossing.recovery
 
 
 def profiles(roads: Roads) -> list[RoadProfile]:

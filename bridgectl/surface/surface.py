@@ -13,10 +13,13 @@ from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_roads
 from bridgectl._threads import on_one_thread
+from bridgectl._units import to_kmh
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import prepare
-from bridgectl.road import RoadProfile, ramp_covariance
+from bridgectl.model.effects import Moment
+from bridgectl.road import RoadProfile
+from bridgectl.road.iso8608 import ramp_covariance
 from bridgectl.road.spectrum import DEFAULT_BAND
 from bridgectl.surface.class_dae import ClassDae, over_class
 from bridgectl.surface.file import save_surface
@@ -37,7 +40,7 @@ class RampSurface(UnitRamps):
 
     Attributes
     ----------
-    beam, vehicle, section, recovery, effect
+    beam, vehicle, effect
         What was simulated: see `bridgectl.Crossing`.
     approach : float
         Where the vehicle starts before the bridge, and the ramps with it [m].
@@ -66,9 +69,9 @@ class RampSurface(UnitRamps):
     every: int = 1
 
     def __repr__(self) -> str:
-        kmh = self.speeds * 3.6
+        kmh = to_kmh(self.speeds)
         rest = "" if self.section == 0.5 else f", section={self.section:g} of the span"
-        rest += "" if self.effect == "moment" else f", effect={self.effect!r}"
+        rest += "" if isinstance(self.effect, Moment) else f", effect={self.effect!r}"
         rest += "" if self.daf_rise is None else ", both ways"
         rest += "" if self.every == 1 else f", computed at one place in {self.every}"
         if isinstance(self.histories, FeedbackHistories):
@@ -297,7 +300,7 @@ class RampSurface(UnitRamps):
         values = np.hstack([self._superposed(part) for part in road_parts(drops.T)])
         for road in np.nonzero(~np.isfinite(values).all(axis=0))[0]:
             again = ~np.isfinite(values[:, road])
-            run = prepare(self._crossing(), self.road(drops[road]), -self.approach)
+            run = prepare(self._crossing, self.road(drops[road]), -self.approach)
             values[again, road] = linear_dafs(run, self.speeds[again])
         return np.asarray(values.T if scales.ndim == 2 else values[:, 0])
 
@@ -305,7 +308,8 @@ class RampSurface(UnitRamps):
         """Superposed DAF of roads, (n_speeds, n_roads); NaN where a tire may leave the road."""
         values = np.empty((len(self.speeds), drops.shape[1]))
         for i in range(len(self.speeds)):
-            values[i] = find_peaks(superposed(self.histories, i, drops)).values
+            peaks = find_peaks(superposed(self.histories, i, drops)).values
+            values[i] = self._crossing.orientation * peaks
         values[self.near_lift_off(drops)] = np.nan
         return values
 
@@ -324,7 +328,7 @@ class RampSurface(UnitRamps):
         return surface_to_xarray(self)
 
     def plot(self, *, difference: bool = False, ax: Axes | None = None) -> Axes:
-        """Draw the surface over place and speed: see `bridgectl.plots.surface_plot`.
+        """Draw the surface over place and speed: see `bridgectl.plots.surface.surface_plot`.
 
         Parameters
         ----------
@@ -337,6 +341,6 @@ class RampSurface(UnitRamps):
         -------
         matplotlib.axes.Axes
         """
-        from bridgectl.plots import surface_plot  # late, for matplotlib is slow to load
+        from bridgectl.plots.surface import surface_plot  # late, for matplotlib is slow to load
 
         return surface_plot(self, difference=difference, ax=ax)

@@ -17,6 +17,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import count_pieces
 from bridgectl.linear.nodes import MAX_VEHICLE_PHASE
 from bridgectl.linear.runs import Run
+from bridgectl.model.effects import TireForce
 from bridgectl.surface.histories import factor_histories, superposed
 
 DOUBTFUL = 0.05
@@ -48,7 +49,7 @@ class TireContact:
     def __init__(self, run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int) -> None:
         self.vehicle, self.durations = run.crossing.linear, ramp_length / speeds
         self.n_before = min(n_ramps, count_pieces(-run.start, ramp_length))
-        of_tire = run._replace(crossing=replace(run.crossing, effect="tire_force"))
+        of_tire = run._replace(crossing=replace(run.crossing, effect=TireForce()))
         self.on_bridge = factor_histories(of_tire, speeds, ramp_length, n_ramps)
 
     def doubtful(self, speed: int, drops: FloatArray) -> NDArray[np.bool_]:

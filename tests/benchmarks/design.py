@@ -33,15 +33,9 @@ from scipy.optimize import direct, minimize
 
 import bridgectl as bc
 from bridgectl._progress import track
-from bridgectl.dampers import (
-    clipped_lqr,
-    passive,
-    peak_value,
-    program,
-    program_sensitivity,
-    simulate_loop,
-)
+from bridgectl.dampers import clipped_lqr, passive, program, program_sensitivity, simulate_loop
 from bridgectl.dampers.bridgehook import Bridgehook, _feedback_law
+from bridgectl.dampers.peak_value import peak_value
 from bridgectl.plots.style import (
     BLUE,
     BRIDGE_TINT,

@@ -28,7 +28,7 @@ def surface():
 @pytest.fixture(scope="module")
 def run(surface):
     level = bc.RoadProfile(surface.stations, np.zeros_like(surface.stations))
-    return prepare(bc.Crossing(surface.beam, surface.vehicle, SPEEDS[0]), level, 0.0)
+    return prepare(bc.Crossing(surface.beam, surface.vehicle), level, 0.0)
 
 
 @pytest.mark.benchmark(group="surface")

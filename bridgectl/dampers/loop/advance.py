@@ -50,7 +50,10 @@ BETWEEN = QUARTIC @ np.vander(np.linspace(0, 1, 65), 5, increasing=True).T
 
 @dataclass
 class Ends:
-    """A run at the end of a step: arrays (S, R); states (S, 1 + n, R), the first row ones."""
+    """A run at the end of a step: arrays (S, R); states (S, 1 + n, R), the first row ones.
+
+    The controller's memory is of shape (S, m, R).
+    """
 
     states: FloatArray
     force: FloatArray
@@ -65,6 +68,7 @@ class Ends:
     lift_off: FloatArray
     energy: FloatArray
     switches: NDArray[np.intp]
+    memory: FloatArray
 
     @property
     def velocity(self) -> FloatArray:
@@ -204,7 +208,9 @@ class Stepper:
             moment = taken.tires
             moment *= steps.influence[:here, k]
             moment += taken.moment
-            _raise_peak(now.peak, now.moment, moment)
+            counted = steps.counted[:here, k, np.newaxis]
+            if counted.any():
+                _raise_peak(now.peak, now.moment, moment, counted)
             now.moment[:] = moment[:, -1]
 
     def _through_events(
@@ -303,11 +309,15 @@ class Stepper:
         return command + (damping - command) * np.exp(-durations / self.damper.lag)
 
 
-def _raise_peak(peak: FloatArray, start: FloatArray, after: FloatArray) -> None:
+def _raise_peak(
+    peak: FloatArray, start: FloatArray, after: FloatArray, counted: NDArray[np.bool_]
+) -> None:
     """Raise the largest moments (S, R) by those of a step at its start and `POINTS`, (S, 4, R)."""
-    largest = _over_points(np.maximum, after)
+    largest = np.maximum(_over_points(np.maximum, after), start)
+    if not counted.all():
+        largest = np.where(counted, largest, -np.inf)
     np.maximum(peak, largest, out=peak)
-    near = largest > (1 - CLOSE) * peak
+    near = largest > peak - CLOSE * np.abs(peak)
     if near.any():
         samples = np.stack([start[near], *(after[:, i][near] for i in range(len(POINTS)))], axis=1)
         turns = (samples @ QUARTIC[:, 1] > 0) & (samples @ SLOPE_AT_END < 0)

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
-from bridgectl.dampers.strategy import SIGNALS, Strategy, numbers
+from bridgectl.dampers.expression import INPUTS, SAMPLE_TIME, at_sample, numbers
+from bridgectl.dampers.strategy import SIGNALS, Strategy
 
 Operation = Callable[..., Any]
 
@@ -65,8 +66,12 @@ OPERATIONS: dict[int, Operation] = {
 """What CasADi's operations are on arrays."""
 
 
+NOTHING = np.zeros((1, 0, 1))
+"""Memory, and what is seen ahead, of a law without."""
+
+
 class BatchLaw:
-    """The command of a strategy for arrays of signals, one row a speed.
+    """The command of a strategy for arrays of signals, one row a speed: a `Controller`.
 
     Parameters
     ----------
@@ -76,6 +81,8 @@ class BatchLaw:
         Speed of each row [m/s]; see `Strategy.for_speed`.
     gains : mapping, optional
         Gains that differ between cases, by name, shape (speeds, roads); see `Strategy.gains_for`.
+    sample_time : float, optional
+        Time between samples [s].
     """
 
     def __init__(
@@ -83,12 +90,25 @@ class BatchLaw:
         strategy: Strategy,
         speeds: Sequence[float],
         gains: Mapping[str, FloatArray] | None = None,
+        sample_time: float = SAMPLE_TIME,
     ) -> None:
         self.name, self.own_gains = strategy.name, dict(gains or {})
+        self.sample_time = sample_time
         at_speeds = [strategy.for_speed(float(speed)) for speed in speeds]
         self.laws = at_speeds[:1] if all(law is strategy for law in at_speeds) else at_speeds
+        if len({(*law.states, len(law.preview)) for law in self.laws}) > 1:
+            raise ValueError(
+                f"{self.name} must have the same states at every speed, and as many distances of "
+                "preview"
+            )
+        self.preview: FloatArray = np.array([law.preview for law in self.laws], dtype=np.float64)
         self.steps = _merged([law.function for law in self.laws])
         self._know({})
+
+    def start(self, n_speeds: int, n_roads: int) -> FloatArray:
+        """Return the initial values of the states, shape (speeds, states, roads)."""
+        own = np.array([[*law.states.values()] for law in self.laws], dtype=np.float64)
+        return np.tile(own[..., np.newaxis], (n_speeds // len(own), 1, n_roads))
 
     def foresee(self, positions: FloatArray, speeds: FloatArray) -> None:
         """Evaluate ahead of all samples what depends on place and speed alone.
@@ -105,57 +125,72 @@ class BatchLaw:
     def _know(self, signals: dict[str, FloatArray]) -> None:
         """Do all steps that take no other signals: constants at least."""
         steps, known = self.steps or [], dict[int, Any]()
+        given = {"sample_time": self.sample_time, **signals}
         with np.errstate(all="ignore"):
             for k, step in enumerate(steps):
                 if step.operation == ca.OP_CONST:
                     several = len(step.constant) > 1
                     known[k] = step.constant[:, np.newaxis] if several else step.constant[0]
                 elif step.operation == ca.OP_INPUT:
-                    if (name := _signal(step)) in signals:
-                        known[k] = signals[name]
+                    if (name := _told(step)) in given:
+                        known[k] = given[name]
                 elif all(i in known for i in step.takes):
                     known[k] = _do(step, known)
         self.remaining = [k for k in range(len(steps)) if k not in known]
         # Only what is taken later is kept: tables of many places are long.
-        taken = {i for k in self.remaining for i in steps[k].takes} | {len(steps) - 1}
+        given_back = sorted((step.gives, k) for k, step in enumerate(steps) if step.gives)
+        self.outputs = [k for _, k in given_back]
+        taken = {i for k in self.remaining for i in steps[k].takes} | set(self.outputs)
         self.known = {k: value for k, value in known.items() if k in taken}
 
-    def __call__(self, signals: Mapping[str, ArrayLike], sample: int = 0) -> FloatArray:
-        """Return the command [N s/m].
+    def command(
+        self,
+        signals: Mapping[str, ArrayLike],
+        memory: FloatArray = NOTHING,
+        ahead: FloatArray = NOTHING,
+        sample: int = 0,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the command [N s/m], and the next states.
 
         Parameters
         ----------
         signals : mapping
             Arrays by name, of shapes that broadcast together; the laws of several speeds take
             the first so many rows.
+        memory, ahead : ndarray, shapes (speeds, states, roads) and (speeds, distances, roads)
+            The states, and what is seen ahead [m]: see `Controller`.
         sample : int, optional
             Which of the samples it is that were foreseen.
 
         Returns
         -------
-        ndarray
-            Of the shape that the signals broadcast to.
+        tuple of ndarray
+            Of the shape that the signals broadcast to; and as `memory`.
 
         Raises
         ------
         ValueError
-            If the law returns NaN or infinity.
+            If the law, or the update of its states, returns NaN or infinity.
         """
         shape = np.broadcast_shapes(*(np.shape(value) for value in signals.values()))
+        inputs = signals, self._gains(shape), memory, ahead
         if self.steps is None:
-            return self._one_by_one(signals, shape)
+            return self._one_by_one(inputs, shape)
         with np.errstate(all="ignore"):  # a branch that is not taken may divide by zero
-            return numbers(self.name, self._together(self.steps, signals, shape, sample))
+            found, *after = self._together(self.steps, inputs, shape, sample)
+            c = numbers(f"law of {self.name}", found)
+            if not after:
+                return c, memory
+            return c, numbers(f"update of {self.name}", np.stack(after, axis=1))
 
     def _together(
         self,
         steps: list[_Step],
-        signals: Mapping[str, ArrayLike],
+        inputs: _Inputs,
         shape: tuple[int, ...],
         sample: int,
-    ) -> FloatArray:
+    ) -> list[FloatArray]:
         """Step after step, each for all cases."""
-        inputs = [[signals[name] for name in SIGNALS], self._gains(shape)]
         values: dict[int, Any] = {}
         for k, value in self.known.items():
             if np.ndim(value):
@@ -165,23 +200,25 @@ class BatchLaw:
         for k in self.remaining:
             step = steps[k]
             if step.operation == ca.OP_INPUT:
-                values[k] = inputs[step.takes[0]][step.takes[1]]
+                values[k] = _input(step, *inputs)
             else:
                 values[k] = _do(step, values)
-        return np.broadcast_to(values[len(steps) - 1], shape)
+        return [np.broadcast_to(values[k], shape) for k in self.outputs]
 
-    def _one_by_one(self, signals: Mapping[str, ArrayLike], shape: tuple[int, ...]) -> FloatArray:
+    def _one_by_one(self, inputs: _Inputs, shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
         """Case by case in CasADi, for operations that are not among those above."""
-        cases = [*(signals[name] for name in SIGNALS), *self._gains(shape)]
-        rows = np.array([np.broadcast_to(case, shape) for case in cases])
-        several = np.moveaxis(rows, 1, 0) if len(self.laws) > 1 else [rows]
-        each = zip(self.laws, several, strict=False)
-        n = len(SIGNALS)
+        signals, gains, *others = inputs
+        memory, ahead = (np.moveaxis(values, 1, 0) for values in others)
+        columns = [signals[name] for name in SIGNALS], gains, memory, [self.sample_time], ahead
+        rows = np.array([np.broadcast_to(case, shape) for each in columns for case in each])
+        ends = np.cumsum([len(each) for each in columns])[:-1]
+        several = np.split(rows, shape[0], axis=1) if len(self.laws) > 1 else [rows]
         found = [
-            law.evaluate(*np.split(row.reshape(len(rows), -1), [n])).reshape(row.shape[1:])
-            for law, row in each
+            at_sample(self.name, law.function, *np.split(part.reshape(len(part), -1), ends))
+            for law, part in zip(self.laws, several, strict=False)
         ]
-        return np.array(found) if len(self.laws) > 1 else found[0]
+        c, after = (np.concatenate(each, axis=-1) for each in zip(*found, strict=True))
+        return c.reshape(shape), np.moveaxis(after.reshape(-1, *shape), 0, 1)
 
     def _gains(self, shape: tuple[int, ...]) -> list[Any]:
         """Values of the gains, of those cases that are asked for."""
@@ -196,6 +233,8 @@ class _Step(NamedTuple):
     operation: int
     takes: tuple[int, ...]
     """The steps whose results it takes; of an input, which argument and which entry of it."""
+    gives: tuple[int, ...]
+    """Of an output, which result and which entry of it."""
     constant: FloatArray
     """A constant's value, one for all laws or one for each."""
 
@@ -203,7 +242,7 @@ class _Step(NamedTuple):
 def _merged(functions: Sequence[ca.Function]) -> list[_Step] | None:
     """Steps of functions that differ in their constants alone; None where they do not."""
     first, *others = [_steps(function) for function in functions]
-    alike = all([step[:2] for step in other] == [step[:2] for step in first] for other in others)
+    alike = all([step[:3] for step in other] == [step[:3] for step in first] for other in others)
     special = {ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT}
     if not alike or not {step.operation for step in first} <= special | set(OPERATIONS):
         return None
@@ -216,7 +255,7 @@ def _merged(functions: Sequence[ca.Function]) -> list[_Step] | None:
 
 
 def _steps(function: ca.Function) -> list[_Step]:
-    """The operations of a function; the last one gives its result."""
+    """The operations of a function."""
     made_by: dict[int, int] = {}  # places of the work vector, which are used again and again
     steps = []
     for k in range(function.n_instructions()):
@@ -225,16 +264,34 @@ def _steps(function: ca.Function) -> list[_Step]:
         constant = function.instruction_constant(k) if operation == ca.OP_CONST else 0.0
         if operation not in (ca.OP_CONST, ca.OP_INPUT):
             takes = tuple(made_by[place] for place in takes)
-        steps.append(_Step(operation, takes, np.array([constant])))
+        gives = tuple(function.instruction_output(k))
         if operation != ca.OP_OUTPUT:
-            made_by.update(dict.fromkeys(function.instruction_output(k), k))
+            made_by.update(dict.fromkeys(gives, k))
+            gives = ()
+        steps.append(_Step(operation, takes, gives, np.array([constant])))
     return steps
 
 
-def _signal(step: _Step) -> str | None:
-    """Name of the signal that a step reads, if it does."""
-    of_signals = step.operation == ca.OP_INPUT and step.takes[0] == 0
-    return SIGNALS[step.takes[1]] if of_signals else None
+def _told(step: _Step) -> str | None:
+    """Name of the signal that an input is, or 'sample_time'; None of others."""
+    which, entry = step.takes
+    return (
+        SIGNALS[entry] if which == 0 else "sample_time" if INPUTS[which] == "sample_time" else None
+    )
+
+
+_Inputs = tuple[Mapping[str, ArrayLike], list[Any], FloatArray, FloatArray]
+"""Signals by name, gains, states and what is seen ahead."""
+
+
+def _input(
+    step: _Step, signals: Mapping[str, Any], gains: list[Any], memory: FloatArray, ahead: FloatArray
+) -> Any:
+    """What a step reads, but for the sample time, which is known."""
+    which, entry = step.takes
+    if which == 0:
+        return signals[SIGNALS[entry]]
+    return gains[entry] if which == 1 else (memory if which == 2 else ahead)[:, entry]
 
 
 def _do(step: _Step, values: Mapping[int, Any]) -> Any:

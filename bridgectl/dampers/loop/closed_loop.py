@@ -19,7 +19,7 @@ from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import Crossing, make_crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road.limits import first_too_steep, require_gentle
 
@@ -76,7 +76,7 @@ def simulate_loop(
     >>> bool(abs(result.daf[0, 0] - bc.daf(bc.li2006.beam(), bc.li2006.car(), 30.0)[0]) < 1e-5)
     True
     """
-    crossing = Crossing(beam, bare_vehicle(vehicle), 1.0, section, recovery)
+    crossing = make_crossing(beam, bare_vehicle(vehicle), "moment", section, recovery)
     device = as_damper(damper)
     c = check.speeds(speeds)
     x, z = checked_roads(beam, stations, elevations)

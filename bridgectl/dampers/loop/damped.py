@@ -36,16 +36,15 @@ def damped_dafs(run: Run, damper: Damper, speeds: FloatArray) -> FloatArray:
 
 
 @on_one_thread
-def simulate_run(run: Run, damper: Damper, speeds: FloatArray | None = None) -> LoopResult:
-    """Simulate one road at some speeds [m/s], by default the crossing's: see `simulate_loop`."""
+def simulate_run(run: Run, damper: Damper, speeds: FloatArray) -> LoopResult:
+    """Simulate one road at some speeds [m/s]: see `simulate_loop`."""
     x = _stations(run, np.zeros(0))
-    c = np.array([run.crossing.speed]) if speeds is None else speeds
-    return run_loop(_bare(run.crossing), damper, c, x, -run.road(x).T)
+    return run_loop(_bare(run.crossing), damper, speeds, x, -run.road(x).T)
 
 
 @on_one_thread
 def damped_response(
-    run: Run, damper: Damper, asked: FloatArray
+    run: Run, speed: float, damper: Damper, asked: FloatArray
 ) -> tuple[Run, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return places, states, tire forces and damper forces of one crossing.
 
@@ -53,6 +52,8 @@ def damped_response(
     ----------
     run : Run
         The crossing and its road.
+    speed : float
+        Speed [m/s].
     damper : Damper
         The damper.
     asked : ndarray
@@ -66,9 +67,9 @@ def damped_response(
     """
     crossing = _bare(run.crossing)
     x = _stations(run, asked)
-    speed = np.array([crossing.speed])
-    require_loop(crossing, [damper], speed, x, 1)
-    loop = Loop(crossing, damper, speed, x, -run.road(x).T)
+    speeds = np.array([speed])
+    require_loop(crossing, [damper], speeds, x, 1)
+    loop = Loop(crossing, damper, speeds, x, -run.road(x).T)
     places: list[float] = [x[0]]
     states: list[FloatArray] = [np.zeros(crossing.n_states)]
     forces, dampings = [loop.stepper.weight], [0.0]
@@ -113,7 +114,7 @@ def damped_surface(
     Parameters
     ----------
     crossing : Crossing
-        The crossing; its speed does not count.
+        The crossing.
     damper : Damper
         The damper.
     speeds : ndarray, shape (n_speeds,)
@@ -150,9 +151,10 @@ def _best_kept(
         linear_surface(replace(crossing, vehicle=replace(bare, damping=float(c))), speeds, dense)
         for c in dampings
     ]
+    lowest = np.min if crossing.orientation > 0 else np.max
     names = ("daf_unit", "daf_rise")[: len(grid.heights)]
-    best = [np.min([getattr(s, name) for s in surfaces], axis=0) for name in names]
-    smooth = np.min([surface.daf_smooth for surface in surfaces], axis=0)
+    best = [lowest([getattr(s, name) for s in surfaces], axis=0) for name in names]
+    smooth = lowest([surface.daf_smooth for surface in surfaces], axis=0)
     return smooth, np.array(best)[..., :: grid.every]
 
 
@@ -172,7 +174,7 @@ def ramps_and_roads(
     Parameters
     ----------
     crossing, damper, speeds
-        The crossing, whose speed does not count; the damper; speeds [m/s], shape (n_speeds,).
+        The crossing; the damper; speeds [m/s], shape (n_speeds,).
     stations : ndarray, shape (n,)
         Stations of the roads [m].
     starts : ndarray of int, shape (n_ramps,)

@@ -16,6 +16,7 @@ from bridgectl._checks import FloatArray
 from bridgectl.dampers.actuator import Damper
 from bridgectl.dampers.loop.advance import Ends, Stepper
 from bridgectl.dampers.loop.batch_law import BatchLaw
+from bridgectl.dampers.loop.controller import Controller
 from bridgectl.dampers.loop.noise import Noise
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.steps import (
@@ -30,6 +31,7 @@ from bridgectl.dampers.loop.steps import (
 )
 from bridgectl.dampers.strategy import SIGNALS
 from bridgectl.model.crossing import Crossing
+from bridgectl.road.elevations import drops_of
 
 BYTES = 32e6
 """Memory that the matrices of the steps made at once may take."""
@@ -59,8 +61,7 @@ class Loop:
     ) -> None:
         self.crossing, self.damper, self.speeds = crossing, damper, speeds
         self.recorded = recorded
-        # Positive down, one row a station.
-        self.drops = np.ascontiguousarray((elevations[:, :1] - elevations).T)
+        self.drops = drops_of(elevations)
         longest = longest_step(crossing, damper.strategy.c_max, crossing.beam.n_modes)
         longest = min(longest, damper.sample_time)
         responses = Responses(crossing, longest)
@@ -69,11 +70,13 @@ class Loop:
         self.plan: Plan = make_plan(crossing, speeds, stations, damper.sample_time, parts)
         gains = damper.strategy.gains_for(crossing, speeds, stations, elevations)
         every = np.full(len(elevations), stations[0])
-        # What is set once for each crossing, or its noise, differs between roads from the start.
-        own = bool(gains) or damper.velocity_noise > 0
+        law = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
+        law.foresee(self.plan.edges[..., 0], speeds)
+        self.controller: Controller = law
+        # What is set once for each crossing, its noise, or what is seen ahead differs between roads
+        # from the start.
+        own = bool(gains) or damper.velocity_noise > 0 or law.preview.size > 0
         self.begins = every if begins is None or own else begins
-        self.law = BatchLaw(damper.strategy, [*speeds], gains)
-        self.law.foresee(self.plan.edges[..., 0], speeds)
         self.middle = (damper.strategy.c_min + damper.strategy.c_max) / 2
         self.noise: Noise | None = None
         if damper.velocity_noise:
@@ -89,6 +92,8 @@ class Loop:
         now, plan = self._start(), self.plan
         known = 1  # roads whose first ramp has been reached: they follow the first until then
         for rounds, on_bridge in self._chunks():
+            if on_bridge and rounds.start == plan.entry:
+                self._enter(now)
             here = plan.at_work(rounds)
             edges = plan.edges[:here, rounds]
             steps = self.stepper.steps(self.speeds[:here], edges, on_bridge=on_bridge)
@@ -106,8 +111,8 @@ class Loop:
                         observe(view, float(plan.edges[here - 1, k, step + 1]))
         self._follow(now, known, np.inf)
         return LoopResult(
-            now.peak, now.least / self.stepper.weight, now.lift_off, now.energy, now.switches,
-            self._histories(),
+            self.crossing.orientation * now.peak, now.least / self.stepper.weight, now.lift_off,
+            now.energy, now.switches, self._histories(),
         )  # fmt: skip
 
     def _start(self) -> Ends:
@@ -118,8 +123,14 @@ class Loop:
         return Ends(
             states, weight, weight.copy(), zeros, zeros.copy(), zeros.copy(),
             np.full(shape, -np.inf), np.full(shape, np.inf), np.full(shape, np.inf), zeros.copy(),
-            np.zeros(shape, dtype=np.intp),
+            np.zeros(shape, dtype=np.intp), self.controller.start(*shape),
         )  # fmt: skip
+
+    def _enter(self, now: Ends) -> None:
+        """Know the effect where the rounds on the bridge begin."""
+        per_force, per_state, constant = self.crossing.rows(self.plan.edges[:, self.plan.entry, 0])
+        of_states = np.einsum("n,snr->sr", per_state, now.states[:, 1:])
+        now.moment[:] = per_force * now.force + of_states + constant
 
     def _chunks(self) -> Iterable[tuple[slice, bool]]:
         """Rounds whose steps are made together, and whether they may reach the bridge."""
@@ -143,7 +154,8 @@ class Loop:
         """Measure, command, and record: the controller's part of a round."""
         first = self.plan.first[: len(now.force)] == k
         signals = self._signals(now, k, first)
-        wanted = self.law(signals, k)
+        ahead = self._ahead(k, now.force.shape)
+        wanted, now.memory[:] = self.controller.command(signals, now.memory, ahead, k)
         switched = (wanted > self.middle) != (now.command > self.middle)
         switched[first] = False
         now.switches += switched
@@ -184,6 +196,19 @@ class Loop:
             "tire_force": now.force, "tire_force_rate": change,
             "position": self.plan.edges[:here, k, :1], "speed": self.speeds[:here, np.newaxis],
         }  # fmt: skip
+
+    def _ahead(self, k: int, shape: tuple[int, ...]) -> FloatArray:
+        """Elevations ahead less that under the tire [m], (S, n, R): drops are positive down."""
+        distances, x = self.controller.preview, self.stepper.stations
+        if distances.shape[1] == 0:
+            return np.zeros((shape[0], 0, shape[1]))
+        tire = self.plan.edges[: shape[0], k, :1]
+        places = np.concatenate([tire, tire + distances[: shape[0]]], axis=1)
+        piece = np.clip(np.searchsorted(x, places, side="right") - 1, 0, x.size - 2)
+        share = np.minimum((places - x[piece]) / (x[piece + 1] - x[piece]), 1.0)  # level beyond
+        drops = self.drops[:, : shape[1]]
+        found = drops[piece] + share[..., np.newaxis] * (drops[piece + 1] - drops[piece])
+        return np.asarray(found[:, :1] - found[:, 1:])
 
     def _histories(self) -> tuple[dict[str, FloatArray], ...]:
         every = {name: np.array(kept) for name, kept in self.kept.items()}

@@ -48,17 +48,7 @@ class LoopResult:
         )
 
     def of_speeds(self, order: NDArray[np.intp]) -> LoopResult:
-        """Return the speeds in another order.
-
-        Parameters
-        ----------
-        order : ndarray of int, shape (n_speeds,)
-            Which speeds, by number from 0.
-
-        Returns
-        -------
-        LoopResult
-        """
+        """Return the speeds in another order, of numbers from 0."""
         return LoopResult(
             self.daf[order], self.least_force[order], self.lift_off[order],
             self.dissipated[order], self.switches[order],
@@ -66,17 +56,7 @@ class LoopResult:
         )  # fmt: skip
 
     def of_roads(self, roads: slice) -> LoopResult:
-        """Return some of the roads; the histories are as they were recorded.
-
-        Parameters
-        ----------
-        roads : slice
-            Which roads, by number from 0.
-
-        Returns
-        -------
-        LoopResult
-        """
+        """Return a slice of the roads; the histories are as they were recorded."""
         return LoopResult(
             self.daf[:, roads], self.least_force[:, roads], self.lift_off[:, roads],
             self.dissipated[:, roads], self.switches[:, roads], self.histories,

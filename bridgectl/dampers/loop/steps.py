@@ -58,6 +58,10 @@ TIRE_LATER, STATES, MOMENT = slice(4, 6), 6, slice(-4, None)
 """Rows of u at middle and end; first row of the states; last rows, on the bridge, those of the
 states' share of the moment at all `POINTS`."""
 
+TIRES, END, ONE = (0, 1, 4, 5), 3, 0
+"""Rows of u at all `POINTS`, `TIRE` and `TIRE_LATER`; the end among them; column of the 1 before
+the states."""
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -208,6 +212,8 @@ class Steps:
     """Piece of the road that each step runs on, (S, K)."""
     share: FloatArray
     """Fractions of that piece behind the stages, the middle and the end, (S, K, 4, 1)."""
+    counted: NDArray[np.bool_]
+    """Whether a step is one of the crossing of the bridge, (S, K)."""
 
 
 def make_steps(
@@ -266,7 +272,10 @@ def make_steps(
     middle = np.clip(x[..., 2], stations[0], stations[-1])
     piece = np.clip(np.searchsorted(stations, middle, side="right") - 1, 0, stations.size - 2)
     share = (x - stations[piece][..., np.newaxis]) / np.diff(stations)[piece][..., np.newaxis]
-    return Steps(free, forced, influence[..., np.newaxis], durations, piece, share[..., np.newaxis])
+    counted = (begin > -SAME_PLACE) & (end < crossing.beam.length + SAME_PLACE)
+    return Steps(
+        free, forced, influence[..., np.newaxis], durations, piece, share[..., np.newaxis], counted
+    )
 
 
 def _add_beam(
@@ -283,20 +292,21 @@ def _add_beam(
     # Modal states at each point per value of R at each stage: (..., modes, points, 2, stages).
     modal = held_modes[..., 0] * np.moveaxis(shapes[..., :2, :], -1, -2)[..., None, None, :]
     per_force = np.zeros_like(forced[..., TIRE])
-    for row, point in ((0, 0), (1, 1), (4, 2), (5, 3)):
+    rows, columns = slice(STATES + n, STATES + n + 2 * n_modes), slice(1 + n, None)  # of the modes
+    for point, row in enumerate(TIRES):
         under = shapes[..., point, :, np.newaxis]
         own = under * free_modes[..., point, 0, :]
-        free[..., row, n + 1 :] -= own.reshape(*own.shape[:-2], -1)
+        free[..., row, columns] -= own.reshape(*own.shape[:-2], -1)
         per_force[..., row, :] = -(under * modal[..., point, 0, :]).sum(axis=-2)
     of_beam = crossing.rows(0.0).per_state[n:].reshape(n_modes, 2)
-    for point in range(len(POINTS)):
-        row = MOMENT.start + point
+    for point, row in enumerate(range(-len(POINTS), 0)):  # of `MOMENT`
         own = np.einsum("ja,...jab->...jb", of_beam, free_modes[..., point, :, :])
-        free[..., row, n + 1 :] = own.reshape(*own.shape[:-2], -1)
+        free[..., row, columns] = own.reshape(*own.shape[:-2], -1)
         per_force[..., row, :] = np.einsum("ja,...jai->...i", of_beam, modal[..., point, :, :])
+    from_modes, at_end = free[..., rows, columns], modal[..., END, :, :]
     for j in range(n_modes):
-        rows = slice(STATES + n + 2 * j, STATES + n + 2 * j + 2)
-        free[..., rows, n + 1 + 2 * j : n + 3 + 2 * j] = free_modes[..., j, 3, :, :]
-        per_force[..., rows, :] = modal[..., j, 3, :, :]
+        pair = slice(2 * j, 2 * j + 2)
+        from_modes[..., pair, pair] = free_modes[..., j, END, :, :]
+    per_force[..., rows, :] = at_end.reshape(*at_end.shape[:-3], 2 * n_modes, -1)
     forced[..., TIRE] += per_force
-    free[..., 0] = crossing.linear.static_loads[0] * per_force.sum(axis=-1)
+    free[..., ONE] = crossing.linear.static_loads[0] * per_force.sum(axis=-1)

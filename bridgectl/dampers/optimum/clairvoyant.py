@@ -16,7 +16,7 @@ never the solver's number but that of `simulate_loop` with this damping.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -31,7 +31,7 @@ from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
 from bridgectl._warn import warn
 from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
-from bridgectl.dampers.costate import costate
+from bridgectl.dampers.costate import costate_of
 from bridgectl.dampers.loop.damped import simulate_run
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.optimum.steps import Steps, join, march
@@ -39,7 +39,9 @@ from bridgectl.dampers.strategy import Strategy, damping_bounds
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import prepare
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.effect import Effect
+from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
 from bridgectl.road.events import require_road
@@ -133,6 +135,7 @@ def clairvoyant(
     step: float = 5e-3,
     section: float = 0.5,
     recovery: str = "exact",
+    effect: Effect | str = "moment",
 ) -> Clairvoyant:
     """Find the damping that gives one crossing its least peak moment, all of the road known.
 
@@ -141,8 +144,8 @@ def clairvoyant(
 
     Parameters
     ----------
-    beam, section, recovery
-        See `bridgectl.Crossing`.
+    beam, section, recovery, effect
+        See `bridgectl.daf`.
     vehicle : QuarterCar
         The vehicle; its own damping is where the search starts.
     speed : float
@@ -181,7 +184,7 @@ def clairvoyant(
     Examples
     --------
     >>> import bridgectl as bc
-    >>> from bridgectl.dampers.optimum.clairvoyant import clairvoyant
+    >>> from bridgectl.dampers import clairvoyant
     >>> beam, car = bc.li2006.beam(), bc.li2006.car()
     >>> road = bc.RoadProfile([-5, 3, 3.1, 25], [0, 0, -0.003, -0.003])
     >>> best = clairvoyant(beam, car, 30.0, road, 1e3, 30e3, start=-5, step=0.02)
@@ -191,31 +194,32 @@ def clairvoyant(
     bare = bare_vehicle(vehicle)
     require_road(road)
     soft, stiff = damping_bounds(c_min, c_max)
-    crossing = Crossing(beam, bare, speed, section, recovery)
-    run = prepare(crossing, road, start)
-    judge_crossing(crossing, crossing.speed, road)
+    crossing, c = make_crossing(beam, bare, effect, section, recovery), Motion(speed).speed
+    run, speeds = prepare(crossing, road, start), np.array([c])
+    judge_crossing(crossing, c, road)
     held = check.positive("step", step, unit="s")
     own = float(np.clip(vehicle.damping, soft, stiff))
     for longest in STEPS:
-        steps = join(run, held, longest, soft, stiff)
-        tries = _tries(steps, beam, vehicle, crossing, own)
+        steps = join(run, c, held, longest, soft, stiff)
+        tries = _tries(steps, vehicle, crossing, c, own)
         peaks = [march(steps, given.shares).peak for given in tries]
         best = tries[int(np.argmin(peaks))]
         found = steps.damping(best.shares)
         law = _open_loop(steps.positions, found, held, soft, stiff)
-        optimum = simulate_run(run, as_damper(law))
-        if _agrees(optimum, min(peaks)):
+        optimum = simulate_run(run, as_damper(law), speeds)
+        if _agrees(optimum, crossing.orientation * min(peaks)):
             break
     else:
         raise RuntimeError(
             f"the closed loop gives a DAF of {optimum.daf[0, 0]:.4f} for an optimum of "
-            f"{min(peaks):.4f}: type a smaller step, for example step={min(held, longest) / 2:g}"
+            f"{crossing.orientation * min(peaks):.4f}: type a smaller step, for example "
+            f"step={min(held, longest) / 2:g}"
         )
     constant = np.full_like(found, own)
     law = _open_loop(steps.positions, constant, held, soft, stiff)
-    passive = float(simulate_run(run, as_damper(law)).daf[0, 0])
+    passive = float(simulate_run(run, as_damper(law), speeds).daf[0, 0])
     lowest = float(optimum.daf[0, 0])
-    if passive <= lowest:
+    if crossing.orientation * (passive - lowest) <= 0:
         lowest, found, best = passive, constant, _Try(best.shares, NOT_SOLVED)
     return Clairvoyant(lowest, passive, steps.positions, found, held, soft, stiff, best.status)
 
@@ -228,11 +232,11 @@ class _Try(NamedTuple):
 
 
 def _tries(
-    steps: Steps, beam: BridgeModel, vehicle: QuarterCar, crossing: Crossing, own: float
+    steps: Steps, vehicle: QuarterCar, crossing: Crossing, speed: float, own: float
 ) -> list[_Try]:
     """What the search starts from, and what it finds."""
     passive = steps.shares(own)
-    hook = _bridgehook_shares(steps, beam, vehicle, crossing, passive)
+    hook = _bridgehook_shares(steps, vehicle, crossing, speed, passive)
     plain = [_Try(shares, NOT_SOLVED) for shares in (passive, 0 * passive, 0 * passive + 1, hook)]
     if steps.c_min == steps.c_max:
         return plain
@@ -253,12 +257,11 @@ def _agrees(optimum: LoopResult, peak: float) -> bool:
 
 
 def _bridgehook_shares(
-    steps: Steps, beam: BridgeModel, vehicle: QuarterCar, crossing: Crossing, own: FloatArray
+    steps: Steps, vehicle: QuarterCar, crossing: Crossing, speed: float, own: FloatArray
 ) -> FloatArray:
     """Shares that bridgehook commands, from the costate of the passive crossing."""
-    found = costate(
-        beam, vehicle, crossing.speed, section=crossing.section, reach=-float(steps.positions[0])
-    )
+    passive = replace(crossing, vehicle=vehicle)
+    found = costate_of(passive, speed, -float(steps.positions[0]))
     sigma = np.interp(steps.positions, *found)
     past = steps.positions > found.positions[-1]
 

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
-from bridgectl.linear.cells import road_rows
 from bridgectl.linear.nodes import cell_nodes
-from bridgectl.linear.runs import Run, propagate
+from bridgectl.linear.prediction import Prediction, predict
+from bridgectl.linear.runs import Run
 
 MOST_INTERVALS = 5_000
 """Most intervals: beyond, the solver takes minutes, and the optimum is no lower."""
@@ -78,9 +78,11 @@ class Steps:
         return np.clip(c, self.c_min, self.c_max)
 
 
-def _grid(run: Run, held: float, longest: float) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+def _grid(
+    run: Run, speed: float, held: float, longest: float
+) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
     """Starts of the intervals, ends of the steps [m], and the interval of each step."""
-    speed, length = run.crossing.speed, run.end - run.start
+    length = run.end - run.start
     count = np.ceil(length / (speed * held) - SAME_PLACE)
     if count > MOST_INTERVALS:
         raise ValueError(
@@ -96,72 +98,41 @@ def _grid(run: Run, held: float, longest: float) -> tuple[FloatArray, FloatArray
     return starts, np.append(firsts, run.end), interval
 
 
-def join(run: Run, held: float, longest: float, c_min: float, c_max: float) -> Steps:
+def join(run: Run, speed: float, held: float, longest: float, c_min: float, c_max: float) -> Steps:
     """Join the exact cells of the crossing into steps."""
-    crossing, vehicle = run.crossing, run.crossing.linear
-    starts, ends, interval = _grid(run, held, longest)
+    crossing = run.crossing
+    starts, ends, interval = _grid(run, speed, held, longest)
     middles = (ends[1:] + ends[:-1]) / 2
     kinks = merge_places(np.concatenate([run.kinks(), ends, middles]))
-    nodes = cell_nodes(crossing, crossing.speed, kinks)
-    cells, rows = _cell_maps(run, nodes), _moment_rows(run, nodes)
-    rate, of_force = np.zeros(crossing.n_states), crossing.damper_matrix[:, 0]
-    rate[: crossing.n_vehicle] = (vehicle.damper_map @ vehicle.velocities)[0]
-
-    steps, n = [], cells[0].shape[1] - 1
+    nodes = cell_nodes(crossing, speed, kinks)
+    known = predict(run, speed, nodes)
+    rate, of_force = known.velocity_rows[0], known.damper_input[:, 0]
     first = np.searchsorted(nodes, ends - SAME_PLACE)
+    # The bridge is at rest when the tire comes.
+    sizes = np.where(first > known.entry, crossing.n_states, crossing.n_vehicle)
+    steps = []
     for k, middle in enumerate(np.searchsorted(nodes, middles - SAME_PLACE)):
         seen: list[FloatArray] = []
-        at: FloatArray = np.eye(n, n + 2)
-        at = _through(at, cells, rows, range(first[k], middle), seen)
-        v = rate[: len(at)] @ at
-        at[:, -2] = of_force[: len(at)]
-        at = _through(at, cells, rows, range(middle, first[k + 1]), seen)
-        steps.append(Step(at, v, np.array(seen).reshape(-1, n + 2)))
-        n = len(at)
+        at: FloatArray = np.eye(crossing.n_states, sizes[k] + 2)
+        at[:, -2:] = 0.0
+        at = _through(at, known, range(first[k], middle), seen)
+        v = rate @ at
+        at[:, -2] = of_force
+        at = _through(at, known, range(middle, first[k + 1]), seen)
+        steps.append(Step(at[: sizes[k + 1]], v, np.array(seen).reshape(-1, at.shape[1])))
     mass = -1 / float(rate @ of_force)
-    return Steps(steps, starts, interval, np.diff(ends) / crossing.speed, mass, c_min, c_max)
+    return Steps(steps, starts, interval, np.diff(ends) / speed, mass, c_min, c_max)
 
 
-def _through(
-    at: FloatArray,
-    cells: list[FloatArray],
-    rows: list[FloatArray | None],
-    which: range,
-    seen: list[FloatArray],
-) -> FloatArray:
+def _through(at: FloatArray, known: Prediction, which: range, seen: list[FloatArray]) -> FloatArray:
     """Take states, as maps from a step's start, through some cells, and note the moments."""
-    for j in which:
-        row, n = rows[j], cells[j].shape[1] - 1
-        at = np.pad(at, ((0, n - len(at)), (0, 0)))  # the bridge is at rest when the tire comes
-        if row is not None:
-            seen.append(row[:-1] @ at)
-            seen[-1][-1] += row[-1]
-        at = cells[j][:, :-1] @ at
-        at[:, -1] += cells[j][:, -1]
+    for k in which:
+        if k >= known.entry:
+            seen.append(known.effect_rows[k] @ at)
+            seen[-1][-1] += known.effect_constants[k]
+        at = known.transitions[k] @ at
+        at[:, -1] += known.offsets[k]
     return at
-
-
-def _cell_maps(run: Run, nodes: FloatArray) -> list[FloatArray]:
-    """Map from [states at the start, 1] to the states at the end of each cell."""
-    maps: list[FloatArray] = []
-    for cells, road, *_ in propagate(run, np.array([run.crossing.speed]), nodes):
-        from_states, from_road = (of[0, :, : cells.n_states] for of in cells.transitions())
-        besides = from_road[cells.map_of] @ road_rows(road)[..., np.newaxis]
-        maps.extend(np.concatenate([from_states[cells.map_of], besides], axis=2))
-    return maps
-
-
-def _moment_rows(run: Run, nodes: FloatArray) -> list[FloatArray | None]:
-    """Rows of the moment on [states, 1] at the nodes; none on the approach, where it is 0."""
-    crossing, rows = run.crossing, run.crossing.rows(nodes)
-    on_level = crossing.tire_forces(0.0 * nodes[:, np.newaxis], np.zeros(1), run.road(nodes))
-    constants = (rows.per_force * on_level).sum(axis=1) + rows.constant
-    return [
-        np.append(rows.per_state + force @ crossing.tire_rows(float(x)), constant)
-        if x > -SAME_PLACE
-        else None
-        for x, force, constant in zip(nodes, rows.per_force, constants, strict=True)
-    ]
 
 
 class March(NamedTuple):

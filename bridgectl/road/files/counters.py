@@ -18,13 +18,9 @@ LABELS = ("", "n", "no", "no.", "nr", "nr.", "#", "i", "id", "idx", "index", "po
 
 
 def require_elevations(
-    file: str,
-    columns: Columns,
-    values: FloatArray,
-    width: int,
-    step: float | None = None,
+    file: str, columns: Columns, values: FloatArray, width: int, step: float | None = None,
     label: str | None = None,
-) -> None:
+) -> None:  # fmt: skip
     """Refuse columns that nobody chose where they count points or repeat the stations.
 
     `values`, one row for each of `columns`, are in the units of the file, the `step` in metres,

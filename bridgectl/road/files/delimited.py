@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl._places import even_places
 from bridgectl.road.files.counters import passing_columns, require_elevations, require_no_stations
 from bridgectl.road.files.dialect import (
     CHAINAGE_DIGITS,
@@ -26,6 +27,7 @@ from bridgectl.road.files.header import (
     columns_of,
     headers,
     is_complete,
+    lines_after,
     make_header,
     n_names,
     read_preamble,
@@ -36,8 +38,6 @@ from bridgectl.road.files.lines import (
     DELIMITERS,
     Line,
     ahead,
-    is_blank,
-    is_comment,
     passing,
     quoted,
     refusal,
@@ -53,7 +53,6 @@ from bridgectl.road.files.tracks import (
     Pick,
     Request,
     Track,
-    even_stations,
     make_roads,
     odd_step,
     require_no_gap,
@@ -72,7 +71,7 @@ def read_delimited(
     head, texts = ahead(texts, PEEK)
     preamble = read_preamble(file, texts, head, request)
     first = preamble.first
-    rows = [first, *_rows(head, first[0])]
+    rows = [first, *lines_after(head, first[0])]
     delimiter = _delimiter(file, rows, preamble, request)
     width = len(split(first[1], delimiter))
     named, stating = headers(preamble, width, delimiter, request)
@@ -102,13 +101,6 @@ def read_delimited(
     if request.columns is None:
         require_no_stations(file, wanted, x, tracks, width)
     return make_roads(file, x, tracks, table.line, request)
-
-
-def _rows(head: Sequence[str], first: int) -> Iterator[Line]:
-    """Yield the lines of numbers among the first of a file, after the first of numbers."""
-    for line, text in enumerate(head[first:], first + 1):
-        if not is_blank(text) and not is_comment(text):
-            yield line, text
 
 
 def _delimiter(file: str, rows: Sequence[Line], preamble: Preamble, request: Request) -> str:
@@ -141,13 +133,8 @@ def _delimiter(file: str, rows: Sequence[Line], preamble: Preamble, request: Req
 
 
 def _layout(
-    file: str,
-    rows: Sequence[Line],
-    delimiter: str,
-    wanted: Columns,
-    unit: str,
-    request: Request,
-) -> Layout:
+    file: str, rows: Sequence[Line], delimiter: str, wanted: Columns, unit: str, request: Request,
+) -> Layout:  # fmt: skip
     """Return how the numbers stand on the lines, as the first of them show."""
     width, stations = len(split(rows[0][1], delimiter)), 0 if wanted.station is None else 1
     missing = request.missing or UNTOLD
@@ -240,7 +227,7 @@ def _stations(
     file: str, table: Table, request: Request, units: tuple[str, ...], stated: int
 ) -> FloatArray:
     if request.step is not None:
-        return even_stations(0.0, request.step, table.values.shape[1])
+        return even_places(0.0, request.step, table.values.shape[1])
     x: FloatArray = table.values[0]
     i = first_unsorted(x)
     if i is not None and (j := marker_station(x, i)) is not None:

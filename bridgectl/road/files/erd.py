@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from bridgectl._places import even_places
 from bridgectl.road.files.lines import (
     Line,
     delimiter_of,
@@ -28,7 +29,6 @@ from bridgectl.road.files.tracks import (
     Pick,
     Request,
     Track,
-    even_stations,
     make_roads,
     odd_step,
 )
@@ -112,7 +112,7 @@ def read_erd(file: str, texts: Iterator[str], request: Request, pick: Pick) -> l
     layout = Layout(file, wanted, mark, n_channels, comments=False, missing=missing)
     table = read_table(layout, first, texts)
     _require_all(header, table, n_samples)
-    x = even_stations(origin, step, n_samples)
+    x = even_places(origin, step, n_samples)
     remedy = "correct it, or the unit in UNITSNAM or XUNITS"
     tracks = [
         Track(name, z, elevations[i], remedy)

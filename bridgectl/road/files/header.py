@@ -105,7 +105,7 @@ def read_preamble(
             break
     above = _lines_above(file, head, skipped, separator, request)
     if above > skipped:
-        passed = [line for line in _lines_of(head, skipped) if line[0] <= above]
+        passed = [line for line in lines_after(head, skipped) if line[0] <= above]
         request.remarks.append(
             f"{file}: {len(passed)} line{'s' * (len(passed) > 1)} above the names and units on "
             f"line {above + 1} passed over, the first {quoted(passed[0][1])}: pass "
@@ -135,8 +135,8 @@ def _classic(file: str, numbered: Iterator[Line], skipped: int, separator: str |
     raise refusal(file, f"{fault} station and {'' if empty else 'an '}elevation on each line")
 
 
-def _lines_of(head: Sequence[str], skipped: int) -> Iterator[Line]:
-    """Yield the first lines that are neither blank nor comments."""
+def lines_after(head: Sequence[str], skipped: int) -> Iterator[Line]:
+    """Yield those of the first lines after some that are neither blank nor comments."""
     for line, text in enumerate(head[skipped:], skipped + 1):
         if not is_blank(text) and not is_comment(text):
             yield line, text
@@ -146,7 +146,7 @@ def _lines_above(
     file: str, head: Sequence[str], skipped: int, separator: str | None, request: Request
 ) -> int:
     """Return how many lines to pass over: all above one that names columns and their units."""
-    lines = list(_lines_of(head, skipped))
+    lines = list(lines_after(head, skipped))
     for i, (line, text) in enumerate(lines[:-1]):
         if not _names_columns(text):
             continue

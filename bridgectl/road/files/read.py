@@ -40,18 +40,11 @@ HEAD = 2**16  # bytes in which a file shows its format
 
 
 def read_profile(
-    path: str | os.PathLike[str],
-    *,
-    units: str | Sequence[str] | None = None,
-    columns: Sequence[int] | None = None,
-    delimiter: str | None = None,
-    step: float | None = None,
-    decimal: str | None = None,
-    missing: float | str | Sequence[float | str] | None = None,
-    skip_lines: int | None = None,
-    track: str | int | None = None,
-    name: str | None = None,
-) -> RoadProfile:
+    path: str | os.PathLike[str], *, units: str | Sequence[str] | None = None,
+    columns: Sequence[int] | None = None, delimiter: str | None = None, step: float | None = None,
+    decimal: str | None = None, missing: float | str | Sequence[float | str] | None = None,
+    skip_lines: int | None = None, track: str | int | None = None, name: str | None = None,
+) -> RoadProfile:  # fmt: skip
     r"""Return one road profile of a file: delimited text, ERD text or OpenCRG.
 
     The content tells the format, whatever the name of the file, which gzip may have packed. In
@@ -155,17 +148,11 @@ def read_profile(
 
 
 def read_tracks(
-    path: str | os.PathLike[str],
-    *,
-    units: str | Sequence[str] | None = None,
-    columns: Sequence[int] | None = None,
-    delimiter: str | None = None,
-    step: float | None = None,
-    decimal: str | None = None,
-    missing: float | str | Sequence[float | str] | None = None,
-    skip_lines: int | None = None,
-    name: str | None = None,
-) -> list[RoadProfile]:
+    path: str | os.PathLike[str], *, units: str | Sequence[str] | None = None,
+    columns: Sequence[int] | None = None, delimiter: str | None = None, step: float | None = None,
+    decimal: str | None = None, missing: float | str | Sequence[float | str] | None = None,
+    skip_lines: int | None = None, name: str | None = None,
+) -> list[RoadProfile]:  # fmt: skip
     r"""Return all road profiles of a file: the left and right wheel track, for example.
 
     Parameters
@@ -219,7 +206,7 @@ def utia_road() -> RoadProfile:
 
     Examples
     --------
-    >>> from bridgectl.road import utia_road
+    >>> from bridgectl import utia_road
     >>> utia_road().place_bridge(678).crop(-200, 25)
     RoadProfile('UTIA road', 901 points, x from -200 m to 25 m, elevation from 582.014 m to
     583.143 m, step 0.25 m)
@@ -255,15 +242,10 @@ def _stem(file: str, name: str | None) -> str:
 
 
 def _request(
-    file: str,
-    units: str | Sequence[str] | None,
-    columns: Sequence[int] | None,
-    delimiter: str | None,
-    step: float | None,
-    decimal: str | None,
-    missing: Any,
+    file: str, units: str | Sequence[str] | None, columns: Sequence[int] | None,
+    delimiter: str | None, step: float | None, decimal: str | None, missing: Any,
     skip_lines: int | None,
-) -> Request:
+) -> Request:  # fmt: skip
     """Return what the caller says of the file, once it makes sense."""
     if step is not None and odd_step(check.positive("step", step, unit="m")):
         raise ValueError(f"step must be {STEPS[0]:g} m to {STEPS[1]:g} m, got {step:g}")
@@ -277,14 +259,9 @@ def _request(
         check.integer("skip_lines", skip_lines, at_least=0)
     wanted = None if columns is None else _checked_columns(columns, 2 if step is None else 1)
     return Request(
-        known_units(file, units),
-        wanted,
-        delimiter,
-        step,
-        decimal,
-        skip_lines,
+        known_units(file, units), wanted, delimiter, step, decimal, skip_lines,
         None if missing is None else known_missing(missing),
-    )
+    )  # fmt: skip
 
 
 def _checked_columns(columns: Sequence[int], at_least: int) -> tuple[int, ...]:

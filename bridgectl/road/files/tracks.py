@@ -109,12 +109,8 @@ class Track:
 
 
 def make_roads(
-    file: str,
-    x: FloatArray,
-    tracks: Sequence[Track],
-    line: Callable[[int], int],
-    request: Request,
-) -> list[RoadProfile]:
+    file: str, x: FloatArray, tracks: Sequence[Track], line: Callable[[int], int], request: Request,
+) -> list[RoadProfile]:  # fmt: skip
     """Return the roads of tracks at stations [m], without missing readings.
 
     Of several tracks, those that miss too many readings are left out, and the caller is told.
@@ -150,13 +146,9 @@ def _present_rows(
 
 
 def _make_road(
-    file: str,
-    x: FloatArray,
-    track: Track,
-    line: Callable[[int], int],
-    rows: NDArray[np.int_] | None,
-    request: Request,
-) -> RoadProfile:
+    file: str, x: FloatArray, track: Track, line: Callable[[int], int],
+    rows: NDArray[np.int_] | None, request: Request,
+) -> RoadProfile:  # fmt: skip
     z = track.z
     if rows is not None:
         x, z = x[rows], z[rows]
@@ -181,13 +173,9 @@ def _absence(file: str, name: str, n_missing: int, first: int, x: FloatArray) ->
 
 
 def require_gentle_track(
-    file: str,
-    x: FloatArray,
-    z: FloatArray,
-    line: Callable[[int], int | None],
-    unit: str,
+    file: str, x: FloatArray, z: FloatArray, line: Callable[[int], int | None], unit: str,
     remedy: str,
-) -> None:
+) -> None:  # fmt: skip
     """Refuse a track steeper than any road, which is often one in another unit."""
     for start in range(0, x.size - 1, WINDOW):  # so that long roads need little memory
         window = slice(start, start + WINDOW + 1)
@@ -229,8 +217,3 @@ def require_no_gap(file: str, x: FloatArray, line: Callable[[int], int]) -> None
         "the station, or cut the file here and read the part before or after the gap",
         line(i),
     )
-
-
-def even_stations(start: float, step: float, n: int) -> FloatArray:
-    """Return n stations [m], by the one formula that readers and writer share."""
-    return start + step * np.arange(n, dtype=np.float64)

@@ -11,11 +11,11 @@ import numpy as np
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._files import replacing
-from bridgectl._places import SAME_PLACE
+from bridgectl._places import SAME_PLACE, even_places
 from bridgectl.road.files.erd import FREE_TEXT, LONG_WIDTH, SIGNATURE, WIDTH
 from bridgectl.road.files.lines import LARGEST
 from bridgectl.road.files.missing import marker_in
-from bridgectl.road.files.tracks import even_stations, odd_step, widest_gap
+from bridgectl.road.files.tracks import odd_step, widest_gap
 from bridgectl.road.limits import first_too_steep
 from bridgectl.road.profile import RoadProfile
 
@@ -58,7 +58,7 @@ def write_profile(
     Examples
     --------
     >>> import pathlib, tempfile
-    >>> from bridgectl.road import RoadProfile, read_profile
+    >>> from bridgectl import RoadProfile, read_profile
     >>> road = RoadProfile([-0.1, 0, 0.1], [0, 0.001, 0], name="A1")
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_profile(pathlib.Path(folder, "lane.csv"), road)
@@ -115,7 +115,7 @@ def _step(x: FloatArray) -> float:
     best, least = mean, np.inf
     for digits in range(1, DIGITS + 1):
         step = float(f"{mean:.{digits}g}")
-        error = float(np.abs(even_stations(float(x[0]), step, x.size) - x).max())
+        error = float(np.abs(even_places(float(x[0]), step, x.size) - x).max())
         if error < least:
             best, least = step, error
         if least == 0:
