@@ -462,12 +462,27 @@ def test_the_daf_of_one_span_is_that_of_the_beam(effect):
     assert second == pytest.approx(first, abs=1e-12)
 
 
-def test_the_daf_of_two_spans_is_that_of_an_independent_code():
-    """A solution with 24 exact modes by DOP853: within 1e-5 of as many, 2e-4 of 16."""
-    for n_modes, tolerance in ((24, 1e-5), (16, 2e-4)):
-        bridge = Bridge([25, 25], MU, EJ, n_modes=n_modes)
-        found = bc.daf(bridge, bc.li2006.car(), [20.0], section=0.2)
-        assert found == pytest.approx(0.9700806829, abs=tolerance)
+@pytest.mark.parametrize(
+    ("supports", "rotational", "effect", "speed", "daf", "tolerance"),
+    [
+        (3, 0.0, bc.Moment(at=10.0), 20.0, 0.9700806829, 1e-5),
+        (3, 0.0, bc.Moment(at=25.0, sense="smallest"), 20.0, 1.090208092, 1e-5),
+        (2, np.inf, bc.Moment(at=12.5), 20.0, 1.003816849, 1e-6),
+        (2, np.inf, bc.Moment(at=0.0, sense="smallest"), 20.0, 1.007289146, 1e-6),
+        (2, 5e9, bc.Moment(at=12.5), 25.0, 1.062583965, 1e-6),
+    ],
+    ids=["in a span", "over a pier", "between clamped ends", "at a clamped end", "sprung ends"],
+)  # fmt: skip
+def test_dafs_are_those_of_an_independent_code(supports, rotational, effect, speed, daf, tolerance):
+    """Solutions by DOP853 with as many exact modes: 24 of two spans, 14 of one."""
+    bridge = Bridge(
+        [25] * (supports - 1), MU, EJ, supports=[Support(np.inf, rotational)] * supports,
+        n_modes={3: 24, 2: 14}[supports],
+    )  # fmt: skip
+    found = bc.daf(bridge, bc.li2006.car(), [speed], effect=effect)
+    assert found == pytest.approx(daf, abs=tolerance)
+    fewer = dataclasses.replace(bridge, n_modes=None)
+    assert bc.daf(fewer, bc.li2006.car(), [speed], effect=effect) == pytest.approx(daf, abs=6e-4)
 
 
 def test_moments_over_the_middle_support_are_those_of_an_independent_code():
@@ -484,14 +499,6 @@ def test_moments_over_the_middle_support_are_those_of_an_independent_code():
     static = 98100 * bridge.influence_line(tire, 0.5)
     assert static == pytest.approx([-117720, -235440, 0, -235440, -117720], abs=1e-6)
     assert moment.min() == pytest.approx(-257280.2979, abs=2.4)
-
-
-def test_the_daf_with_clamped_and_sprung_ends_is_that_of_an_independent_code():
-    """Solutions with 14 exact modes: within 2e-5 (10 N m of 300 kN m)."""
-    for rotational, speed, daf in ((np.inf, 20.0, 1.003816849), (5e9, 25.0, 1.062583965)):
-        bridge = Bridge(25, MU, EJ, supports=[Support(np.inf, rotational)] * 2, n_modes=14)
-        found = bc.daf(bridge, bc.li2006.car(), [speed], section=0.5)
-        assert found == pytest.approx(daf, abs=2e-5)
 
 
 def test_a_creeping_vehicle_does_not_amplify():

@@ -18,7 +18,7 @@ from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl.model.beam import _checked_damping
 from bridgectl.model.modal_table import read_modes
 from bridgectl.model.told import (
-    Effect,
+    ToldEffect,
     EffectName,
     checked_effect,
     checked_name,
@@ -243,7 +243,7 @@ class ModalBridge:
         Returns
         -------
         ndarray
-            Effect per force [N m / N] or as told, the shape of `x`.
+            ToldEffect per force [N m / N] or as told, the shape of `x`.
 
         Raises
         ------
@@ -259,7 +259,7 @@ class ModalBridge:
         return np.where(on_bridge, line, 0.0)
 
     def modal_effects(self, section: float = 0.5, quantity: str = "moment") -> FloatArray:
-        """Effect of each mode's shape.
+        """ToldEffect of each mode's shape.
 
         Parameters
         ----------
@@ -327,7 +327,7 @@ class ModalBridge:
             _checks.fraction("section", section, self.length)
         return self.mode_shapes(section * self.length)
 
-    def _effect(self, section: float, quantity: str) -> Effect | None:
+    def _effect(self, section: float, quantity: str) -> ToldEffect | None:
         """What is told of an effect, or None of a deflection that is not."""
         if quantity in self._effects:
             return self._effects[quantity]

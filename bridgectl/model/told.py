@@ -23,7 +23,7 @@ OFF = 0.2
 """Relative difference of a modal mass from that of its shape that is told."""
 
 
-class Effect(NamedTuple):
+class ToldEffect(NamedTuple):
     """A load effect: its influence line, linear between places, and its value of each mode."""
 
     places: FloatArray
@@ -82,7 +82,7 @@ def checked_name(name: Any) -> EffectName:
     )
 
 
-def checked_effect(name: EffectName, value: Any, x: FloatArray, n_modes: int) -> Effect:
+def checked_effect(name: EffectName, value: Any, x: FloatArray, n_modes: int) -> ToldEffect:
     """An effect from its places, influence line and modal values."""
     label = f"effects[{told(name)}]"
     if not (isinstance(value, tuple | list) and len(value) == 3):
@@ -98,7 +98,7 @@ def checked_effect(name: EffectName, value: Any, x: FloatArray, n_modes: int) ->
             f"{label}[0] must lie on the bridge, from 0 to {x[-1]:g} m, "
             f"got {places[0]:g} to {places[-1]:g} m"
         )
-    return Effect(
+    return ToldEffect(
         places,
         _checks.array(f"{label}[1]", value[1], places.shape),
         _checks.array(f"{label}[2]", value[2], (n_modes,)),
