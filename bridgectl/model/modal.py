@@ -18,8 +18,8 @@ from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl.model.beam import _checked_damping
 from bridgectl.model.modal_table import read_modes
 from bridgectl.model.told import (
-    ToldEffect,
     EffectName,
+    ToldEffect,
     checked_effect,
     checked_name,
     checked_places,
@@ -243,7 +243,7 @@ class ModalBridge:
         Returns
         -------
         ndarray
-            ToldEffect per force [N m / N] or as told, the shape of `x`.
+            Effect per force [N m / N] or as told, the shape of `x`.
 
         Raises
         ------
@@ -259,7 +259,7 @@ class ModalBridge:
         return np.where(on_bridge, line, 0.0)
 
     def modal_effects(self, section: float = 0.5, quantity: str = "moment") -> FloatArray:
-        """ToldEffect of each mode's shape.
+        """Effect of each mode's shape.
 
         Parameters
         ----------
