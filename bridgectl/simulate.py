@@ -18,7 +18,11 @@ from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.estimates import require_surface
 from bridgectl.linear.response import (
-    METHODS, as_response, checked_times, linear_dafs, linear_response,
+    METHODS,
+    as_response,
+    checked_times,
+    linear_dafs,
+    linear_response,
 )  # fmt: skip
 from bridgectl.linear.runs import Run, prepare
 from bridgectl.model.bridge import BridgeModel
