@@ -89,6 +89,21 @@ class Effect(ABC):
         """
         return self._rows(bridge, vehicle, tires)
 
+    def kinks(self, bridge: BridgeModel) -> FloatArray:
+        """Return places where the shapes, or what a tire there does to the effect, are not smooth.
+
+        Parameters
+        ----------
+        bridge
+            See `bridgectl.Crossing`.
+
+        Returns
+        -------
+        ndarray
+            Places [m].
+        """
+        return self._kinks(bridge)
+
     def static_peak(self, bridge: BridgeModel, vehicle: Vehicle) -> float:
         """Largest or smallest value as the vehicle creeps across; 0 where there is none.
 
@@ -110,6 +125,9 @@ class Effect(ABC):
 
     def _on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
         return self
+
+    def _kinks(self, bridge: BridgeModel) -> FloatArray:
+        return bridge.kinks(0.5)
 
     @abstractmethod
     def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:

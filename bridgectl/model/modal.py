@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
-from bridgectl.model.beam import _checked_damping
+from bridgectl.model.beam import checked_damping
 from bridgectl.model.modal_table import read_modes
 from bridgectl.model.told import (
     EffectName,
@@ -100,7 +100,7 @@ class ModalBridge:
         self._frequencies = positive("frequencies", frequencies, (None,), "Hz")
         self._shapes = checked_shapes(mode_shapes, self._x.size, self._frequencies.size)
         self._interpolate = _interpolation(self._x, self._shapes)
-        damping = _checked_damping(damping_ratio, self.n_modes)
+        damping = checked_damping(damping_ratio, self.n_modes)
         self._damping = np.broadcast_to(np.array(damping, dtype=np.float64), (self.n_modes,))
         self._masses = self._checked_masses(modal_masses, mass_per_length)
         self._effects = {

@@ -15,7 +15,7 @@ from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl._plausible import judge_beam
-from bridgectl.model.beam import _checked_damping
+from bridgectl.model.beam import checked_damping
 from bridgectl.model.elements import Modes, Pieces, chebyshev_values
 from bridgectl.model.sections import (
     line_at_section,
@@ -124,7 +124,7 @@ class Bridge:
             "flexural_rigidity": checked_along("flexural_rigidity", rigidity, spans, "N m^2"),
             "supports": checked_supports(self.supports, len(spans)),
             "n_modes": n_modes,
-            "damping_ratio": damping or _checked_damping(self.damping_ratio, n_modes),
+            "damping_ratio": damping or checked_damping(self.damping_ratio, n_modes),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
