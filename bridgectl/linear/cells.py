@@ -2,9 +2,11 @@
 
 Beam and vehicle are each linear and time-invariant; only the place where the tire forces
 act on the beam changes with time. A crossing is cut into short cells. Within a cell the
-surface under each tire, u = v + r, and the modal forces R phi_j are polynomials through
-three Gauss points (the stages), and beam and vehicle respond to those exactly, by matrix
-exponentials: stiff modes and heavily damped vehicles cost neither accuracy nor stability.
+tire forces R and the surface under each tire, u = v + r, are parabolas through three Gauss points
+(the stages), and the modal forces R phi_j polynomials through five. Beam and vehicle respond to
+those exactly: stiff modes and heavily damped vehicles cost neither accuracy nor stability, and
+a cell may be many periods of a high mode long. What such a mode does to the tires within it is
+seen at the stages only, which is little: the mode is stiff beside the tires.
 
 Two relations tie the stages together, u = r + v and Eq. (2), R = W + K_t (T y - u). With
 v = F b + P R from the beam and K_t (T y - u) = G a + H u from the vehicle (a, b: vehicle and
@@ -19,6 +21,7 @@ is a product of two thin matrices a cell, with any number of roads side by side.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +29,17 @@ from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
+from bridgectl.linear.modes import mode_responses
 from bridgectl.model.crossing import Crossing
 
 N_STAGES = 3
 GAUSS = (np.polynomial.legendre.leggauss(N_STAGES)[0] + 1) / 2
 """The stages as fractions of a cell: Gauss points, order 6 where the motion is smooth."""
+
+FORCE_POINTS = (np.polynomial.legendre.leggauss(5)[0] + 1) / 2
+"""Where modal forces are told, which waves of the mode shapes bend."""
+
+N_FORCES = len(FORCE_POINTS)
 
 BETWEEN = (GAUSS[1:] + GAUSS[:-1]) / 2
 """Where the effect is sampled besides, so that the polynomial of a cell finds peaks to 1e-7."""
@@ -42,8 +51,11 @@ SAMPLES = np.sort(np.concatenate([[0.0], GAUSS, BETWEEN]))
 _POINTS = np.concatenate([GAUSS, [1.0], BETWEEN])
 _INNER = np.argsort(_POINTS)[:-1]
 END = N_STAGES  # the end of the cell, in them
+N_ROWS = N_STAGES + 2  # deflections at the stages and states at the end
 # Values at those samples of the parabola through values at the stages.
 _FROM_STAGES = np.vander(SAMPLES[1:], N_STAGES) @ np.linalg.inv(np.vander(GAUSS))
+# The same at the force points.
+TO_FORCES = np.vander(FORCE_POINTS, N_STAGES) @ np.linalg.inv(np.vander(GAUSS))
 
 
 @dataclass(frozen=True)
@@ -62,9 +74,8 @@ class Cells:
         Positions of the reference tire at the ends of the cells [m].
     kind, map_of : ndarray of int, shape (C,)
         Kind and map of each cell.
-    free : ndarray, shape (S, U, points, n, n)
-        States at the stages, the end and points between, from the states at the start, with no
-        input.
+    free : ndarray, shape (S, U, n, n)
+        States at the end from the states at the start, with no input.
     inputs : ndarray, shape (S, M, n, 2 q)
         States at the end, from the stage values [R, u].
     from_states, from_road : ndarray, shapes (S, M, 2 q, n) and (S, M, 2 q, 2 n_tires + 1)
@@ -75,6 +86,8 @@ class Cells:
         The same, from the stage values [R, u].
     effect_constant : float
         What is always added to it.
+    rest : ndarray, shape (S, U, modes, 2, N_FORCES)
+        Modal states at the start from which nothing rings, from modal forces at the force points.
     """
 
     nodes: FloatArray
@@ -87,6 +100,7 @@ class Cells:
     effect_from_states: FloatArray
     effect_from_stages: FloatArray
     effect_constant: float
+    rest: FloatArray
 
     @property
     def n_states(self) -> int:
@@ -116,7 +130,7 @@ class Cells:
         states[:, 0] = initial
         for c, (kind, cell) in enumerate(zip(self.kind, self.map_of, strict=True)):
             stages[:, c] += self.from_states[:, cell] @ states[:, c]
-            states[:, c + 1] = self.free[:, kind, END] @ states[:, c]
+            states[:, c + 1] = self.free[:, kind] @ states[:, c]
             states[:, c + 1] += self.inputs[:, cell] @ stages[:, c]
         return states, stages
 
@@ -130,7 +144,7 @@ class Cells:
         kind = self.kind if n_maps == len(self.kind) else np.arange(n_maps)
         gains = np.concatenate([self.inputs, self.effect_from_stages], axis=2)
         from_states = gains @ self.from_states
-        from_states[:, :, :n] += self.free[:, kind, END]
+        from_states[:, :, :n] += self.free[:, kind]
         from_states[:, :, n:] += self.effect_from_states[:, kind]
         from_road = gains @ self.from_road
         from_road[:, :, n:, from_road.shape[-1] // 2] += self.effect_constant
@@ -193,51 +207,47 @@ def build_cells(
     widths, kind = np.unique(np.round(np.diff(nodes), 10), return_inverse=True)
     if on_bridge:
         n_modes, map_of, kind_of_map = crossing.beam.n_modes, np.arange(len(kind)), kind
-        positions = nodes[:-1, np.newaxis] + np.diff(nodes)[:, np.newaxis] * GAUSS
+        starts, steps = nodes[:-1, np.newaxis], np.diff(nodes)[:, np.newaxis]
     else:
         n_modes, map_of, kind_of_map = 0, kind, np.arange(len(widths))
-        positions = np.zeros((len(widths), N_STAGES))
+        starts, steps = np.zeros((2, len(widths), 1))
     durations = widths / speeds[:, np.newaxis]
     free_vehicle, held_vehicle = hold_responses(
         vehicle.state_matrix_on_tires(contact),
         np.where(contact, vehicle.road_input, vehicle.tire_input),
         durations,
     )
-    free_modes, held_modes = hold_responses(*mode_matrices(crossing, n_modes), durations)
-
-    shapes = crossing.tire_shapes(positions)[..., :n_modes]
-    q = N_STAGES * vehicle.n_tires  # tires innermost
-    shapes = shapes.reshape(len(positions), q, n_modes)
-    per_force = _modal_gains(held_modes[:, kind_of_map], shapes)
+    held_vehicle = held_vehicle.reshape(*free_vehicle.shape[:-1], -1)
+    rows = crossing.rows(starts + steps * SAMPLES[1:])
+    of_vehicle = rows.per_state[:n]
+    of_beam = rows.per_state[n : n + 2 * n_modes].reshape(n_modes, 2)
+    beam = _beam_maps(crossing, starts, steps, kind_of_map, durations, of_beam)
     from_vehicle, spring = _vehicle_stages(crossing, free_vehicle, held_vehicle, contact)
     from_states, from_road = _solve_stages(
-        crossing,
-        contact,
-        from_vehicle[:, kind_of_map],
-        spring[:, kind_of_map],
-        *_beam_stages(free_modes[:, kind_of_map], per_force, shapes),
-    )
+        crossing, contact, from_vehicle[:, kind_of_map], spring[:, kind_of_map],
+        beam.deflections, beam.compliance,
+    )  # fmt: skip
 
-    batch = per_force.shape[:2]
-    of_vehicle, of_beam = slice(n), slice(n, n + 2 * n_modes)
-    forces, surface = slice(q), slice(q, 2 * q)  # of the stage values [R, u]
-    inputs = np.zeros((*batch, n + 2 * n_modes, 2 * q))
-    inputs[:, :, of_beam, forces] = per_force[:, :, END].reshape(*batch, 2 * n_modes, q)
-    inputs[:, :, of_vehicle, surface] = held_vehicle[:, kind_of_map, END].reshape(*batch, n, q)
-    free = np.zeros((*free_vehicle.shape[:3], n + 2 * n_modes, n + 2 * n_modes))
-    free[..., of_vehicle, of_vehicle] = free_vehicle
-    for j in range(n_modes):
-        own = slice(n + 2 * j, n + 2 * j + 2)
-        free[..., own, own] = free_modes[:, :, j]
-    samples = np.zeros((len(positions), len(_INNER)))
-    if on_bridge:
-        samples = nodes[:-1, np.newaxis] + np.diff(nodes)[:, np.newaxis] * SAMPLES[1:]
-    per_state, from_stages, constant = _effect_maps(
-        crossing, samples, per_force, held_vehicle[:, kind_of_map]
-    )
+    q, n_states = beam.compliance.shape[-1], n + 2 * n_modes
+    inputs = np.zeros((*beam.compliance.shape[:2], n_states, 2 * q))  # of [R, u]
+    inputs[:, :, n:, :q] = beam.at_end
+    inputs[:, :, :n, q:] = held_vehicle[:, kind_of_map, END]
+    free = np.zeros((*durations.shape, n_states, n_states))
+    free[:, :, :n, :n] = free_vehicle[:, :, END]
+    for j, own in enumerate(np.arange(n, n_states).reshape(n_modes, 2)):
+        free[:, :, own[:, np.newaxis], own] = beam.free[:, :, j, END]
+    through_forces = np.einsum("mpk,pn->mpnk", rows.per_force, _FROM_STAGES)
+    effect = np.zeros((*beam.effect.shape[:-1], 2 * q))
+    effect[..., :q] = beam.effect + through_forces.reshape(len(starts), -1, q)
+    effect[..., q:] = (of_vehicle @ held_vehicle[:, :, _INNER])[:, kind_of_map]
+    modes = np.einsum("ja,sujpab->supjb", of_beam, beam.free[:, :, :, _INNER])
+    per_state = [
+        of_vehicle @ free_vehicle[:, :, _INNER],
+        modes.reshape(*modes.shape[:3], 2 * n_modes),
+    ]
     return Cells(
         nodes, kind, map_of, free, inputs, from_states, from_road,
-        per_state @ free[:, :, _INNER], from_stages, constant,
+        np.concatenate(per_state, axis=-1), effect, rows.constant, beam.rest,
     )  # fmt: skip
 
 
@@ -249,40 +259,67 @@ def mode_matrices(crossing: Crossing, n_modes: int) -> tuple[FloatArray, FloatAr
     return matrices, gains[..., np.newaxis]
 
 
-def _modal_gains(held: FloatArray, shapes: FloatArray) -> FloatArray:
-    """Modal states at the points of a cell per stage value of R, (S, M, points, modes, 2, q)."""
-    stage = np.repeat(np.arange(N_STAGES), shapes.shape[1] // N_STAGES)
-    return np.asarray(np.einsum("smjpaq,mqj->smpjaq", held[..., stage, 0], shapes))
+class _BeamMaps(NamedTuple):
+    """What the modes do in cells, axis names as in `Cells`, of stage values of R alone.
+
+    `deflections` (S, M, q, 2 modes) and `compliance` (S, M, q, q) are F and P of the module's
+    docstring; `at_end` (S, M, 2 modes, q) are states, `effect` has shape (S, M, N_INNER, q);
+    `free` and `rest` are those of `mode_responses`.
+    """
+
+    free: FloatArray
+    deflections: FloatArray
+    compliance: FloatArray
+    at_end: FloatArray
+    effect: FloatArray
+    rest: FloatArray
 
 
-def _beam_stages(
-    free: FloatArray, per_force: FloatArray, shapes: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """F and P of the module's docstring: deflections from the beam and the tire forces."""
-    q, n_modes = shapes.shape[1:]
-    stage = np.repeat(np.arange(N_STAGES), q // N_STAGES)
-    from_beam = np.einsum("mqj,smjqa->smqja", shapes, free[:, :, :, stage, 0])
-    compliance = np.einsum("mqj,smqjp->smqp", shapes, per_force[..., 0, :][:, :, stage])
-    return from_beam.reshape(*free.shape[:2], q, 2 * n_modes), compliance
-
-
-def _effect_maps(
-    crossing: Crossing, samples: FloatArray, per_force: FloatArray, held_vehicle: FloatArray
-) -> tuple[FloatArray, FloatArray, float]:
-    """The crossing's effect at samples (M, N_INNER): from the states there, [R, u], and always."""
-    rows, n, n_modes = crossing.rows(samples), crossing.n_vehicle, per_force.shape[3]
-    of_vehicle, of_beam = rows.per_state[:n], rows.per_state[n : n + 2 * n_modes]
-    batch, q = per_force.shape[:2], per_force.shape[-1]
-    from_stages = np.zeros((*batch, len(_INNER), 2 * q))
-    if of_beam.any():
-        by_mode = of_beam.reshape(n_modes, 2)
-        from_stages[..., :q] = np.einsum("ja,smpjaq->smpq", by_mode, per_force[:, :, _INNER])
-    if of_vehicle.any():
-        held = held_vehicle[:, :, _INNER].reshape(*batch, len(_INNER), n, q)
-        from_stages[..., q:] = np.einsum("i,smpiq->smpq", of_vehicle, held)
-    forces = np.einsum("mpk,pn->mpnk", rows.per_force, _FROM_STAGES)
-    from_stages[..., :q] += forces.reshape(len(samples), len(_INNER), q)
-    return np.append(of_vehicle, of_beam), from_stages, rows.constant
+def _beam_maps(
+    crossing: Crossing,
+    starts: FloatArray,
+    steps: FloatArray,
+    kind: NDArray[np.intp],
+    durations: FloatArray,
+    of_beam: FloatArray,
+) -> _BeamMaps:
+    """Maps of cells (M, 1) and their kinds (M,); `of_beam` is the effect's row (modes, 2)."""
+    n_speeds, n_maps, n_modes = len(durations), len(starts), len(of_beam)
+    free, held, rest = (
+        of[:, :, :n_modes] for of in mode_responses(crossing.beam, durations, FORCE_POINTS, _POINTS)
+    )
+    shapes = crossing.tire_shapes(starts + steps * GAUSS)[..., :n_modes]
+    q = N_STAGES * shapes.shape[2]  # tires innermost
+    forces = crossing.tire_shapes(starts + steps * FORCE_POINTS)[..., :n_modes]
+    loads = np.einsum("mfkj,fp->jfmpk", forces, TO_FORCES)
+    loads = loads.reshape(n_modes, N_FORCES, n_maps, q)
+    rows = np.concatenate([held[:, :, :, :N_STAGES, 0], held[:, :, :, END]], axis=3)
+    effects = np.einsum("ja,sujpaf->supjf", of_beam, held[:, :, :, _INNER])
+    compliance = np.empty((n_speeds, n_maps, q, q))
+    at_end = np.empty((n_speeds, n_maps, n_modes, 2, q))
+    effect = np.empty((n_speeds, n_maps, len(_INNER), q))
+    for u in range(durations.shape[1]):
+        own = np.nonzero(kind == u)[0]
+        here = loads[:, :, own].reshape(n_modes, N_FORCES, len(own) * q)
+        # Of each mode by speed, row, cell and stage value.
+        response = rows[:, u].swapaxes(0, 1).reshape(n_modes, n_speeds * N_ROWS, N_FORCES) @ here
+        response = response.reshape(n_modes, n_speeds, N_ROWS, len(own), q)
+        compliance[:, own] = np.einsum(
+            "mikj,jsimq->smikq", shapes[own], response[:, :, :N_STAGES]
+        ).reshape(n_speeds, len(own), q, q)
+        at_end[:, own] = response[:, :, N_STAGES:].transpose(1, 3, 0, 2, 4)
+        here = here.reshape(n_modes * N_FORCES, len(own) * q)
+        of_kind = effects[:, u].reshape(n_speeds * len(_INNER), n_modes * N_FORCES) @ here
+        effect[:, own] = of_kind.reshape(n_speeds, len(_INNER), len(own), q).swapaxes(1, 2)
+    deflections = np.einsum("mikj,smjia->smikja", shapes, free[:, kind][:, :, :, :N_STAGES, 0])
+    return _BeamMaps(
+        free,
+        deflections.reshape(n_speeds, n_maps, q, 2 * n_modes),
+        compliance,
+        at_end.reshape(n_speeds, n_maps, 2 * n_modes, q),
+        effect,
+        rest,
+    )
 
 
 def _vehicle_stages(
@@ -293,7 +330,7 @@ def _vehicle_stages(
     stage, tire = np.divmod(np.arange(N_STAGES * vehicle.n_tires), vehicle.n_tires)
     hubs = vehicle.hubs[tire]
     stiffness = (contact * vehicle.tire_stiffnesses)[tire, np.newaxis]
-    held = held.reshape(*free.shape[:4], -1)[:, :, stage]
+    held = held[:, :, stage]
     from_vehicle = stiffness * np.einsum("qi,suqij->suqj", hubs, free[:, :, stage])
     from_surface = np.einsum("qi,suqij->suqj", hubs, held) - np.eye(len(stage))
     return from_vehicle, stiffness * from_surface

@@ -103,7 +103,7 @@ class _Stepper:
         forces = stages[: len(stages) // 2]
         effects = cells.effect_from_states[0, kind] @ state + cells.effect_constant
         effects += cells.effect_from_stages[0, c] @ stages
-        after = cells.free[0, kind, N_STAGES] @ state + cells.inputs[0, c] @ stages
+        after = cells.free[0, kind] @ state + cells.inputs[0, c] @ stages
         hubs = self.run.crossing.linear.hubs @ after[:n]
         would_be = self.run.crossing.tire_forces(hubs, shapes @ after[n::2], road)
         return _Step(after, would_be, forces.reshape(N_STAGES, -1), effects)

@@ -12,10 +12,17 @@ from bridgectl.model.crossing import Crossing
 MAX_WIDTH = 0.1
 """Widest cell [m]: the paper's segment length, below which road waves do not matter."""
 
-# Largest advance of phase in a cell [rad], of the vehicle's fastest motion and of the highest
-# mode. Moments are then within 1e-7 of their converged values (tests/test_propagator.py).
+# Largest advance of phase in a cell [rad], of the vehicle's fastest motion and of the modes that
+# yield to it. Moments are then within 1e-7 of their converged values (tests/test_propagator.py).
 MAX_VEHICLE_PHASE = 0.4
 MAX_BEAM_PHASE = 1.7
+
+YIELDING = 16.5
+"""Frequency over the lowest, up to which cells follow a mode: four modes of a beam.
+
+Higher ones are so much stiffer than tires that what they do to their forces within a cell changes
+amplifications by less than 2e-6 (tests/test_modes.py).
+"""
 
 
 def kink_positions(
@@ -37,23 +44,31 @@ def fastest_motion(crossing: Crossing) -> float:
     return float(np.abs(np.linalg.eigvals(crossing.linear.state_matrix_on_tires())).max())
 
 
+def highest_mode(crossing: Crossing) -> float:
+    """Highest frequency of modes that cells follow [rad/s]."""
+    omega = crossing.beam.omega
+    return float(omega[omega <= YIELDING * omega.min()].max())
+
+
 def cell_width(vehicle: float, beam: float, speed: float) -> float:
     """Width of cells [m] that are short for motions of vehicle and beam [rad/s] at a speed."""
-    return min(MAX_WIDTH, MAX_VEHICLE_PHASE / vehicle * speed, MAX_BEAM_PHASE / beam * speed)
+    phases = vehicle / MAX_VEHICLE_PHASE, beam / MAX_BEAM_PHASE
+    return min(MAX_WIDTH, speed / max(phases))
 
 
 def cell_nodes(crossing: Crossing, speed: float, kinks: FloatArray, refine: int = 1) -> FloatArray:
     """Place the nodes of the cells: at the kinks, and between them where cells are too long.
 
     Cells are short enough for the fastest motions at `speed`, the slowest of a batch;
-    `refine` cuts each into as many again.
+    `refine` cuts each into as many again. Before the bridge no mode moves.
     """
-    fastest, highest = fastest_motion(crossing), float(crossing.beam.omega.max())
-    width = cell_width(fastest, highest, speed)
+    fastest, highest = fastest_motion(crossing), highest_mode(crossing)
+    on_bridge = cell_width(fastest, highest, speed)
+    width = np.where(kinks[1:] < SAME_PLACE, cell_width(fastest, 0.0, speed), on_bridge)
     pieces = refine * np.ceil(np.diff(kinks) / width - SAME_PLACE)
     if pieces.sum() > MOST_CELLS:
         raise ValueError(
-            f"the crossing at {speed:g} m/s needs {pieces.sum():.3g} cells of {width:.2g} m, more "
+            f"the crossing at {speed:g} m/s needs {pieces.sum():.3g} cells of {on_bridge:.2g} m, more "
             f"than {MOST_CELLS:.0f}: the vehicle's fastest motion is at {fastest:.3g} rad/s (check "
             f"stiffnesses, damping and masses), the beam's at {highest:.3g} rad/s "
             "(type a smaller n_modes)"

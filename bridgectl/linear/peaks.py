@@ -5,15 +5,42 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import SAMPLES
 
+ComplexArray = NDArray[np.complex128]
+
 _PER_CELL = len(SAMPLES)
-_FINE = np.linspace(0.0, 1.0, 33)
 _KNOTS = np.append(SAMPLES, 1.0)
-# Values on the fine grid of the polynomial through a cell's samples and its end.
-_TO_FINE = np.vander(_FINE, len(_KNOTS)) @ np.linalg.inv(np.vander(_KNOTS))
+_TO_POLYNOMIAL = np.linalg.inv(np.vander(_KNOTS))
+_N_FINE = 33
+"""Values of a cell's polynomial among which its peak is looked for."""
+
+FINE_PHASE = 0.3
+"""Phase of what rings between such values [rad]: a parabola then finds the peak of it."""
+
+
+class Ringing(NamedTuple):
+    """What rings in cells faster than their samples tell: the real part of a e^(b s).
+
+    With s the fraction of the cell; `amplitudes` a and `exponents` b have the shape
+    (n_cells, n_modes, n_histories).
+    """
+
+    amplitudes: ComplexArray
+    exponents: ComplexArray
+
+    def values(self, fractions: FloatArray) -> FloatArray:
+        """Values at fractions (m,) of the cells, (m, n_cells, n_histories)."""
+        waves = np.exp(np.multiply.outer(fractions, self.exponents))
+        return np.asarray((self.amplitudes * waves).real.sum(axis=2))
+
+    def of(self, cells: NDArray[np.intp], histories: NDArray[np.intp]) -> Ringing:
+        """Ringing in one cell of each of some histories, each on its own, (1, n_modes, n)."""
+        own = (of[cells, :, histories].T[np.newaxis] for of in self)
+        return Ringing(*own)
 
 
 class Peaks(NamedTuple):
@@ -30,11 +57,11 @@ class Peaks(NamedTuple):
         )
 
 
-def find_peaks(histories: FloatArray) -> Peaks:
+def find_peaks(histories: FloatArray, ringing: Ringing | None = None) -> Peaks:
     """Find the largest value of each history, between the samples too.
 
-    A history may have kinks at the nodes and is smooth within a cell, where the
-    polynomial through its seven samples stands for it.
+    A history may have kinks at the nodes. Within a cell the polynomial through seven samples
+    stands for it, or for what it is beyond its `ringing`.
 
     Parameters
     ----------
@@ -48,6 +75,8 @@ def find_peaks(histories: FloatArray) -> Peaks:
     """
     # Within the margin of the largest sample another cell may hold the peak.
     enough = histories.max(axis=0) - margins(histories)
+    if ringing is not None:
+        enough -= 2 * np.abs(ringing.amplitudes).sum(axis=1).max(axis=0)
     # Few samples come near any history's peak: look for those of each history among them.
     high = np.nonzero(histories.max(axis=1) >= enough.min())[0]
     samples, columns = np.nonzero(histories[high] >= enough)
@@ -62,7 +91,7 @@ def find_peaks(histories: FloatArray) -> Peaks:
     cells, columns = cells[inside], columns[inside]
 
     around = histories[_PER_CELL * cells + np.arange(_PER_CELL + 1)[:, np.newaxis], columns]
-    values, fractions = _polynomial_peaks(around)
+    values, fractions = _peaks_of_cells(around, ringing and ringing.of(cells, columns))
     order = np.lexsort((values, columns))
     best = order[np.searchsorted(columns[order], np.arange(histories.shape[1]), side="right") - 1]
     return Peaks(values[best], cells[best], fractions[best])
@@ -101,11 +130,18 @@ def margins(histories: FloatArray) -> FloatArray:
     return np.asarray(np.abs(first - 2 * middle + last).max(axis=0) / 4)
 
 
-def _polynomial_peaks(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Peak and its place in [0, 1] of polynomials given by their samples, shape (7, n)."""
-    fine = _TO_FINE @ samples
+def _peaks_of_cells(
+    samples: FloatArray, ringing: Ringing | None
+) -> tuple[FloatArray, FloatArray]:
+    """Peak and its place in [0, 1] of cells given by their samples, shape (7, n)."""
+    grid, rung = np.linspace(0.0, 1.0, _N_FINE), 0.0
+    if ringing is not None and ringing.exponents.size:
+        n_fine = max(_N_FINE, int(np.abs(ringing.exponents).max() / FINE_PHASE) + 2)
+        grid = np.linspace(0.0, 1.0, n_fine)
+        samples, rung = samples - ringing.values(_KNOTS)[:, 0], ringing.values(grid)[:, 0]
+    fine = np.vander(grid, len(_KNOTS)) @ (_TO_POLYNOMIAL @ samples) + rung
     top, each = fine.argmax(axis=0), np.arange(samples.shape[1])
-    inner = np.clip(top, 1, len(_FINE) - 2)
+    inner = np.clip(top, 1, len(grid) - 2)
     before, at, after = (fine[inner + shift, each] for shift in (-1, 0, 1))
     bend = before - 2 * at + after
     shift = np.divide(before - after, 2 * bend, out=np.full_like(bend, np.inf), where=bend < 0)
@@ -113,4 +149,4 @@ def _polynomial_peaks(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
     inside = np.abs(shift) <= 1
     shift = np.where(inside, shift, top - inner)
     values = np.where(inside, at - (before - after) * shift / 4, fine[top, each])
-    return values, (inner + shift) * _FINE[1]
+    return values, (inner + shift) * grid[1]

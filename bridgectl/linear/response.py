@@ -25,6 +25,7 @@ from bridgectl.linear.runs import (
     first_flight,
     lifts_off,
     propagate,
+    ringing,
     simulate_reference,
     speed_batches,
 )
@@ -148,7 +149,9 @@ def linear_dafs(
         batches = list(speed_batches(run, speeds))
         for batch in track(batches, "Simulating crossings", len(batches), show=progress):
             stretches = propagate(run, speeds[batch], run.nodes(speeds[batch].min()))
-            result[batch] = find_peaks(effect_samples(crossing, stretches[-1]).T).values
+            bridge = stretches[-1]
+            histories = effect_samples(crossing, bridge).T
+            result[batch] = find_peaks(histories, ringing(crossing, bridge)).values
             linear[batch] = ~lifts_off(crossing, stretches)
     simulate = _flying_peak if method == "propagator" else _reference_peak
     flights = {}

@@ -19,8 +19,17 @@ from numpy.typing import NDArray
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
-from bridgectl.linear.cells import N_STAGES, Cells, bridge_entry, build_cells, road_rows
-from bridgectl.linear.nodes import cell_nodes, kink_positions
+from bridgectl.linear.cells import (
+    FORCE_POINTS,
+    N_STAGES,
+    TO_FORCES,
+    Cells,
+    bridge_entry,
+    build_cells,
+    road_rows,
+)
+from bridgectl.linear.nodes import MAX_BEAM_PHASE, cell_nodes, kink_positions
+from bridgectl.linear.peaks import Ringing
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
 from bridgectl.road import RoadProfile
@@ -67,9 +76,10 @@ class Run(NamedTuple):
 class Stretch(NamedTuple):
     """The approach or the bridge, simulated: `Cells.propagate` for one road.
 
-    `road` has shape (C + 1, n_tires), `states` (S, C + 1, n), `stages` (S, C, 2 q).
+    `speeds` has shape (S,), `road` (C + 1, n_tires), `states` (S, C + 1, n), `stages` (S, C, 2 q).
     """
 
+    speeds: FloatArray
     cells: Cells
     road: FloatArray
     states: FloatArray
@@ -119,17 +129,17 @@ def propagate(run: Run, speeds: FloatArray, nodes: FloatArray) -> list[Stretch]:
     stretches = []
     if entry > 0:
         cells = build_cells(crossing, speeds, nodes[: entry + 1], on_bridge=False)
-        approach = _through(run, cells, initial[:, : crossing.n_vehicle])
+        approach = _through(run, speeds, cells, initial[:, : crossing.n_vehicle])
         initial[:, : crossing.n_vehicle, 0] = approach.states[:, -1]
         stretches.append(approach)
     cells = build_cells(crossing, speeds, nodes[entry:], on_bridge=True)
-    return [*stretches, _through(run, cells, initial)]
+    return [*stretches, _through(run, speeds, cells, initial)]
 
 
-def _through(run: Run, cells: Cells, initial: FloatArray) -> Stretch:
+def _through(run: Run, speeds: FloatArray, cells: Cells, initial: FloatArray) -> Stretch:
     road = run.road(cells.nodes)
     states, stages = cells.propagate(road_rows(road)[..., np.newaxis], initial)
-    return Stretch(cells, road, states[..., 0], stages[..., 0])
+    return Stretch(speeds, cells, road, states[..., 0], stages[..., 0])
 
 
 def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
@@ -138,6 +148,29 @@ def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
     inner = bridge.cells.inner_effects(bridge.states[:, :-1], bridge.stages)
     inner = np.concatenate([at_nodes[:, :-1, np.newaxis], inner], axis=2)
     return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
+
+
+def ringing(crossing: Crossing, bridge: Stretch) -> Ringing | None:
+    """What rings in the effect faster than the bridge's cells are sampled, if anything."""
+    cells, beam, n = bridge.cells, crossing.beam, crossing.n_vehicle
+    durations = np.diff(cells.nodes) / bridge.speeds[:, np.newaxis]
+    fast = np.nonzero(beam.omega * durations.max() > MAX_BEAM_PHASE)[0]
+    of_beam = crossing.rows(0.0).per_state[n:].reshape(-1, 2)[fast]
+    if not of_beam.any():
+        return None
+    places = cells.nodes[:-1, np.newaxis] + np.diff(cells.nodes)[:, np.newaxis] * FORCE_POINTS
+    forces = bridge.stages[..., : bridge.stages.shape[-1] // 2].reshape(*durations.shape, N_STAGES, -1)
+    modal = np.einsum("cfkj,scfk->scjf", crossing.tire_shapes(places)[..., fast], TO_FORCES @ forces)
+    start = bridge.states[:, :-1, n:].reshape(*durations.shape, -1, 2)[:, :, fast]
+    start = start - (cells.rest[:, cells.kind][:, :, fast] @ modal[..., np.newaxis])[..., 0]
+    decay = beam.damping_ratios[fast] * beam.omega[fast]
+    turning = np.sqrt(beam.omega[fast] ** 2 - decay**2)
+    rate = -decay + 1j * turning
+    amplitude = start[..., 0] - 1j * (start[..., 1] + decay * start[..., 0]) / turning
+    amplitude = amplitude * (of_beam[:, 0] + of_beam[:, 1] * rate)
+    return Ringing(
+        np.moveaxis(amplitude, 0, 2), np.moveaxis(durations[..., np.newaxis] * rate, 0, 2)
+    )
 
 
 def lifts_off(crossing: Crossing, stretches: list[Stretch]) -> NDArray[np.bool_]:
