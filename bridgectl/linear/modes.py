@@ -1,0 +1,107 @@
+"""Modes under forces that are polynomials of time: exact responses, however fast they are.
+
+In a cell of duration h, with s = t / h, a force s^p on a mode of stiffness m w^2 gives
+
+    q = sum_k b_k s^k / (m w^2),
+    b_k = delta_kp - 2 zeta (k + 1) b_{k+1} / (w h) - (k + 1) (k + 2) b_{k+2} / (w h)^2
+
+from k = p downward, and the free motion that takes it to the state at the start. Where w h is small
+the two nearly cancel: there the power series of their sum takes its place.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bridgectl._checks import FloatArray
+from bridgectl.model.bridge import BridgeModel
+
+SLOW = 1.0
+"""Phase of a cell w h [rad] up to which the power series is used."""
+
+N_TERMS = 20
+"""Terms of the power series: 1 / 20! at the phase `SLOW`."""
+
+
+def mode_responses(
+    bridge: BridgeModel, durations: FloatArray, stages: FloatArray, points: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Responses of each mode to its state at the start of a cell and to modal forces [N].
+
+    Parameters
+    ----------
+    bridge
+        The modes.
+    durations : ndarray, shape (S, U)
+        Durations of the cells [s].
+    stages, points : ndarray, shapes (q,) and (p,)
+        Where the forces are given, as polynomials, and where states [m, m/s] are asked for, as
+        fractions of a cell.
+
+    Returns
+    -------
+    free, held : ndarray, shapes (S, U, modes, p, 2, 2) and (S, U, modes, p, 2, q)
+    rest : ndarray, shape (S, U, modes, 2, q)
+        State from which nothing rings: the polynomial's at the start.
+    """
+    # A cell cut at a place within round-off of its end has no duration.
+    duration = np.repeat(np.maximum(durations, 1e-15)[..., np.newaxis], bridge.n_modes, axis=-1)
+    phase = duration * bridge.omega
+    damping = np.broadcast_to(bridge.damping_ratios, phase.shape)
+    free = _free(phase, damping, duration, points)
+    polynomials = _particular(np.maximum(phase, SLOW), damping, len(stages))
+    rest = _states(polynomials, np.zeros(1), duration)[..., 0, :, :]
+    held = _states(polynomials, points, duration) - free @ rest[..., np.newaxis, :, :]
+    slow = phase < SLOW
+    if slow.any():
+        series = _series(phase[slow], damping[slow], len(stages))
+        held[slow] = _states(series, points, duration[slow])
+    lagrange = np.linalg.inv(np.vander(stages, increasing=True))
+    stiffness = bridge.modal_masses * bridge.omega**2
+    to_values = lagrange / stiffness[:, np.newaxis, np.newaxis]
+    return free, held @ to_values[:, np.newaxis], rest @ to_values
+
+
+def _free(
+    phase: FloatArray, damping: FloatArray, duration: FloatArray, points: FloatArray
+) -> FloatArray:
+    """Transition matrices at points (..., p, 2, 2)."""
+    share = np.sqrt(1 - damping**2)[..., np.newaxis]
+    phase, damping, duration = (of[..., np.newaxis] for of in (phase, damping, duration))
+    decay = np.exp(-damping * phase * points)
+    cosine = decay * np.cos(phase * share * points)
+    sine = decay * np.sin(phase * share * points) / share
+    rate = phase / duration
+    rows = [cosine + damping * sine, sine / rate, -sine * rate, cosine - damping * sine]
+    return np.stack(rows, axis=-1).reshape(*cosine.shape, 2, 2)
+
+
+def _particular(phase: FloatArray, damping: FloatArray, count: int) -> FloatArray:
+    """The b_k of the module's docstring for p < count, (..., k, p)."""
+    b = np.zeros((*phase.shape, count + 2, count))
+    phase, damping = phase[..., np.newaxis], damping[..., np.newaxis]
+    for k in range(count - 1, -1, -1):
+        b[..., k, k] = 1.0
+        b[..., k, :] -= 2 * damping * (k + 1) / phase * b[..., k + 1, :]
+        b[..., k, :] -= (k + 1) * (k + 2) / phase**2 * b[..., k + 2, :]
+    return b[..., :count, :]
+
+
+def _series(phase: FloatArray, damping: FloatArray, count: int) -> FloatArray:
+    """Power series in s of the responses from rest to s^p, times the stiffness, (..., k, p)."""
+    c = np.zeros((*phase.shape, N_TERMS + count, count))
+    phase, damping = phase[..., np.newaxis], damping[..., np.newaxis]
+    for k in range(c.shape[-2] - 2):
+        force = phase**2 * (np.arange(count) == k)
+        force = force - 2 * damping * phase * (k + 1) * c[..., k + 1, :] - phase**2 * c[..., k, :]
+        c[..., k + 2, :] = force / ((k + 1) * (k + 2))
+    return c
+
+
+def _states(series: FloatArray, points: FloatArray, duration: FloatArray) -> FloatArray:
+    """Values and rates of power series (..., k, p) at points, (..., points, 2, p)."""
+    powers = np.vander(points, series.shape[-2], increasing=True)
+    values = powers @ series
+    orders = np.arange(1, series.shape[-2])[:, np.newaxis]
+    rates = powers[:, :-1] @ (orders * series[..., 1:, :]) / duration[..., np.newaxis, np.newaxis]
+    return np.stack([values, rates], axis=-2)
