@@ -21,6 +21,7 @@ is a product of two thin matrices a cell, with any number of roads side by side.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -31,10 +32,17 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
 from bridgectl.linear.modes import mode_responses
 from bridgectl.model.crossing import Crossing
+from bridgectl.model.vehicle import Vehicle
 
 N_STAGES = 3
 GAUSS = (np.polynomial.legendre.leggauss(N_STAGES)[0] + 1) / 2
 """The stages as fractions of a cell: Gauss points, order 6 where the motion is smooth."""
+
+
+def parabola(fractions: FloatArray) -> FloatArray:
+    """Values (m, N_STAGES) at fractions of a cell from those at its stages."""
+    return np.vander(fractions, N_STAGES) @ np.linalg.inv(np.vander(GAUSS))
+
 
 FORCE_POINTS = (np.polynomial.legendre.leggauss(5)[0] + 1) / 2
 """Where modal forces are told, which waves of the mode shapes bend."""
@@ -53,9 +61,9 @@ _INNER = np.argsort(_POINTS)[:-1]
 END = N_STAGES  # the end of the cell, in them
 N_ROWS = N_STAGES + 2  # deflections at the stages and states at the end
 # Values at those samples of the parabola through values at the stages.
-_FROM_STAGES = np.vander(SAMPLES[1:], N_STAGES) @ np.linalg.inv(np.vander(GAUSS))
+_FROM_STAGES = parabola(SAMPLES[1:])
 # The same at the force points.
-TO_FORCES = np.vander(FORCE_POINTS, N_STAGES) @ np.linalg.inv(np.vander(GAUSS))
+TO_FORCES = parabola(FORCE_POINTS)
 
 
 @dataclass(frozen=True)
@@ -86,8 +94,6 @@ class Cells:
         The same, from the stage values [R, u].
     effect_constant : float
         What is always added to it.
-    rest : ndarray, shape (S, U, modes, 2, N_FORCES)
-        Modal states at the start from which nothing rings, from modal forces at the force points.
     """
 
     nodes: FloatArray
@@ -100,7 +106,6 @@ class Cells:
     effect_from_states: FloatArray
     effect_from_stages: FloatArray
     effect_constant: float
-    rest: FloatArray
 
     @property
     def n_states(self) -> int:
@@ -124,15 +129,32 @@ class Cells:
         stages : ndarray, shape (S, C, 2 q, R)
             Stage values [R, u].
         """
-        n_cells = len(self.kind)
-        states = np.empty((len(initial), n_cells + 1, *initial.shape[1:]))
-        stages = self.from_road[:, self.map_of] @ road
+        drive = self.from_road[:, self.map_of] @ road
+        states = np.empty((len(initial), len(self.kind) + 1, *initial.shape[1:]))
         states[:, 0] = initial
-        for c, (kind, cell) in enumerate(zip(self.kind, self.map_of, strict=True)):
-            stages[:, c] += self.from_states[:, cell] @ states[:, c]
-            states[:, c + 1] = self.free[:, kind] @ states[:, c]
-            states[:, c + 1] += self.inputs[:, cell] @ stages[:, c]
-        return states, stages
+        if self.n_states > 2 * drive.shape[2]:  # a step is more than the two it is made of
+            stages = drive
+            for c, (kind, cell) in enumerate(zip(self.kind, self.map_of, strict=True)):
+                stages[:, c] += self.from_states[:, cell] @ states[:, c]
+                states[:, c + 1] = self.free[:, kind] @ states[:, c]
+                states[:, c + 1] += self.inputs[:, cell] @ stages[:, c]
+            return states, stages
+        push, steps = self.inputs[:, self.map_of] @ drive, self.steps
+        for c, cell in enumerate(self.map_of):
+            np.matmul(steps[:, cell], states[:, c], out=states[:, c + 1])
+            states[:, c + 1] += push[:, c]
+        return states, drive + self.from_states[:, self.map_of] @ states[:, :-1]
+
+    @property
+    def kind_of_map(self) -> NDArray[np.intp]:
+        """Kind of the cells of each map, shape (M,)."""
+        n_maps = self.inputs.shape[1]
+        return self.kind if n_maps == len(self.kind) else np.arange(n_maps)
+
+    @cached_property
+    def steps(self) -> FloatArray:
+        """States at the end from the states at the start, the tires at work, (S, M, n, n)."""
+        return np.asarray(self.inputs @ self.from_states + self.free[:, self.kind_of_map])
 
     def transitions(self) -> tuple[FloatArray, FloatArray]:
         """Maps from the states and from the road rows at a cell's start, by map.
@@ -140,15 +162,12 @@ class Cells:
         To the states at its end and the effect at its samples, stacked: shapes
         (S, M, n + N_INNER, n) and (S, M, n + N_INNER, 2 n_tires + 1).
         """
-        n_maps, n = self.inputs.shape[1], self.n_states
-        kind = self.kind if n_maps == len(self.kind) else np.arange(n_maps)
-        gains = np.concatenate([self.inputs, self.effect_from_stages], axis=2)
-        from_states = gains @ self.from_states
-        from_states[:, :, :n] += self.free[:, kind]
-        from_states[:, :, n:] += self.effect_from_states[:, kind]
-        from_road = gains @ self.from_road
+        n = self.n_states
+        effects = self.effect_from_stages @ self.from_states
+        effects += self.effect_from_states[:, self.kind_of_map]
+        from_road = np.concatenate([self.inputs, self.effect_from_stages], axis=2) @ self.from_road
         from_road[:, :, n:, from_road.shape[-1] // 2] += self.effect_constant
-        return from_states, from_road
+        return np.concatenate([self.steps, effects], axis=2), from_road
 
     def inner_effects(self, states: FloatArray, stages: FloatArray) -> FloatArray:
         """Effect at the samples after the start of all cells of one road.
@@ -212,11 +231,7 @@ def build_cells(
         n_modes, map_of, kind_of_map = 0, kind, np.arange(len(widths))
         starts, steps = np.zeros((2, len(widths), 1))
     durations = widths / speeds[:, np.newaxis]
-    free_vehicle, held_vehicle = hold_responses(
-        vehicle.state_matrix_on_tires(contact),
-        np.where(contact, vehicle.road_input, vehicle.tire_input),
-        durations,
-    )
+    free_vehicle, held_vehicle = hold_responses(*vehicle_matrices(vehicle, contact), durations)
     held_vehicle = held_vehicle.reshape(*free_vehicle.shape[:-1], -1)
     rows = crossing.rows(starts + steps * SAMPLES[1:])
     of_vehicle = rows.per_state[:n]
@@ -247,7 +262,7 @@ def build_cells(
     ]
     return Cells(
         nodes, kind, map_of, free, inputs, from_states, from_road,
-        np.concatenate(per_state, axis=-1), effect, rows.constant, beam.rest,
+        np.concatenate(per_state, axis=-1), effect, rows.constant,
     )  # fmt: skip
 
 
@@ -259,12 +274,30 @@ def mode_matrices(crossing: Crossing, n_modes: int) -> tuple[FloatArray, FloatAr
     return matrices, gains[..., np.newaxis]
 
 
+def vehicle_matrices(
+    vehicle: Vehicle, contact: NDArray[np.bool_]
+) -> tuple[FloatArray, FloatArray]:
+    """State and input matrices on the tires in contact; the others' input is a force, R - W."""
+    inputs = np.where(contact, vehicle.road_input, vehicle.tire_input)
+    return vehicle.state_matrix_on_tires(contact), inputs
+
+
+def modal_forces(
+    crossing: Crossing, starts: FloatArray, widths: FloatArray, forces: FloatArray
+) -> FloatArray:
+    """Modal forces (S, C, modes, N_FORCES) from tire forces at stages (S, C, N_STAGES, n_tires)."""
+    places = starts[:, np.newaxis] + widths[:, np.newaxis] * FORCE_POINTS
+    shapes = np.moveaxis(crossing.tire_shapes(places), -1, 1)  # cells, modes, force points, tires
+    at_points = (TO_FORCES @ forces)[:, :, np.newaxis]
+    return np.asarray((shapes * at_points).sum(axis=-1))
+
+
 class _BeamMaps(NamedTuple):
     """What the modes do in cells, axis names as in `Cells`, of stage values of R alone.
 
     `deflections` (S, M, q, 2 modes) and `compliance` (S, M, q, q) are F and P of the module's
     docstring; `at_end` (S, M, 2 modes, q) are states, `effect` has shape (S, M, N_INNER, q);
-    `free` and `rest` are those of `mode_responses`.
+    `free` is that of `mode_responses`.
     """
 
     free: FloatArray
@@ -272,7 +305,6 @@ class _BeamMaps(NamedTuple):
     compliance: FloatArray
     at_end: FloatArray
     effect: FloatArray
-    rest: FloatArray
 
 
 def _beam_maps(
@@ -285,7 +317,7 @@ def _beam_maps(
 ) -> _BeamMaps:
     """Maps of cells (M, 1) and their kinds (M,); `of_beam` is the effect's row (modes, 2)."""
     n_speeds, n_maps, n_modes = len(durations), len(starts), len(of_beam)
-    free, held, rest = (
+    free, held = (
         of[:, :, :n_modes] for of in mode_responses(crossing.beam, durations, FORCE_POINTS, _POINTS)
     )
     shapes = crossing.tire_shapes(starts + steps * GAUSS)[..., :n_modes]
@@ -318,7 +350,6 @@ def _beam_maps(
         compliance,
         at_end.reshape(n_speeds, n_maps, 2 * n_modes, q),
         effect,
-        rest,
     )
 
 

@@ -17,7 +17,19 @@ from scipy.optimize import brentq
 from bridgectl._checks import FloatArray
 from bridgectl._units import to_kmh
 from bridgectl._warn import warn
-from bridgectl.linear.cells import GAUSS, N_STAGES, Cells, build_cells, road_rows
+from bridgectl.linear.cells import (
+    FORCE_POINTS,
+    GAUSS,
+    N_STAGES,
+    SAMPLES,
+    build_cells,
+    hold_responses,
+    modal_forces,
+    parabola,
+    road_rows,
+    vehicle_matrices,
+)
+from bridgectl.linear.modes import mode_responses
 from bridgectl.linear.runs import LIFT_OFF, Run
 from bridgectl.model.crossing import Crossing
 
@@ -26,6 +38,12 @@ EVENT_TOLERANCE = 1e-12
 
 GRAZING = 1e-3
 """After an event the next one is looked for from this fraction of the rest of the cell on."""
+
+FEWEST_CELLS = 16
+"""Cells that are tried at once after an event; twice as many each time nothing happens."""
+
+_TRIED = np.polynomial.chebyshev.chebpts1(12)
+_TO_SERIES = np.linalg.inv(np.polynomial.chebyshev.chebvander(_TRIED, len(_TRIED) - 1))
 
 
 class LiftOffWarning(UserWarning):
@@ -41,6 +59,8 @@ class Flight(NamedTuple):
         Positions of the reference tire [m].
     states, forces : ndarray, shapes (n, m) and (n_tires, m)
         States and tire forces [N] at the nodes.
+    stage_forces : ndarray, shape (m - 1, N_STAGES, n_tires)
+        Tire forces at the stages of the cells [N].
     effects : ndarray, shape (6 (m - 1) + 1,)
         The crossing's effect at `bridgectl.linear.cells.sample_positions` of the nodes.
     """
@@ -48,65 +68,118 @@ class Flight(NamedTuple):
     nodes: FloatArray
     states: FloatArray
     forces: FloatArray
-    effects: FloatArray
-
-
-class _Step(NamedTuple):
-    """States at its end, the forces tires would have there if they could pull, and its stages."""
-
-    state: FloatArray
-    would_be: FloatArray
     stage_forces: FloatArray
     effects: FloatArray
 
 
-class _Stepper:
-    """Steps through the cells of one crossing at one speed, with any set of tires touching."""
+class _Part(NamedTuple):
+    """Cells one after the other: ends, states and forces there, and what is in them."""
 
-    def __init__(self, run: Run, speed: float, nodes: FloatArray) -> None:
-        self.run, self.nodes = run, nodes
-        self.speeds = np.array([speed])
-        self.road, self.shapes = run.road(nodes), run.crossing.tire_shapes(nodes)
-        self.rows = road_rows(self.road)
-        self.built: dict[bytes, Cells] = {}
+    ends: FloatArray
+    states: FloatArray
+    forces: FloatArray
+    stage_forces: FloatArray
+    effects: FloatArray
 
-    def whole(self, c: int, state: FloatArray, touching: NDArray[np.bool_]) -> _Step:
-        """Step through cell c; the maps of all cells are built when a set first needs them."""
-        key = touching.tobytes()
-        if key not in self.built:
-            self.built[key] = self._cells(self.nodes, touching)
-        after = self.road[c + 1], self.shapes[c + 1]
-        return self._through(self.built[key], c, state, self.rows[c], *after)
 
-    def part(self, x: float, end: float, state: FloatArray, touching: NDArray[np.bool_]) -> _Step:
-        """Step from x to end, within a cell."""
-        ends = np.array([x, end])
-        road, shapes = self.run.road(ends), self.run.crossing.tire_shapes(end)
-        cells = self._cells(ends, touching)
-        return self._through(cells, 0, state, road_rows(road)[0], road[1], shapes)
+class _Stretch:
+    """Cells from a place on in which the same tires touch the road, whatever their forces."""
 
-    def _cells(self, nodes: FloatArray, touching: NDArray[np.bool_]) -> Cells:
-        crossing = self.run.crossing
-        return build_cells(crossing, self.speeds, nodes, on_bridge=True, contact=touching)
-
-    def _through(
+    def __init__(
         self,
-        cells: Cells,
-        c: int,
+        run: Run,
+        speed: float,
+        nodes: FloatArray,
         state: FloatArray,
-        rows: FloatArray,
-        road: FloatArray,
-        shapes: FloatArray,
-    ) -> _Step:
-        kind, n = cells.kind[c], self.run.crossing.n_vehicle
-        stages = cells.from_states[0, c] @ state + cells.from_road[0, c] @ rows
-        forces = stages[: len(stages) // 2]
-        effects = cells.effect_from_states[0, kind] @ state + cells.effect_constant
-        effects += cells.effect_from_stages[0, c] @ stages
-        after = cells.free[0, kind] @ state + cells.inputs[0, c] @ stages
-        hubs = self.run.crossing.linear.hubs @ after[:n]
-        would_be = self.run.crossing.tire_forces(hubs, shapes @ after[n::2], road)
-        return _Step(after, would_be, forces.reshape(N_STAGES, -1), effects)
+        touching: NDArray[np.bool_],
+    ) -> None:
+        self.run, self.speed, self.nodes, self.touching = run, speed, nodes, touching
+        crossing = run.crossing
+        cells = build_cells(
+            crossing, np.array([speed]), nodes, on_bridge=True, contact=touching
+        )
+        road = run.road(nodes)
+        states, stages = cells.propagate(
+            road_rows(road)[..., np.newaxis], state[np.newaxis, :, np.newaxis]
+        )
+        self.states, self.stages = states[0, :, :, 0], stages[0, :, :, 0].reshape(
+            len(nodes) - 1, 2, N_STAGES, -1
+        )
+        self.effects = cells.inner_effects(states[:, :-1, :, 0], stages[..., 0])[0]
+        self.would_be = _would_be(crossing, nodes, self.states, road)
+
+    def violation(self) -> tuple[int, float] | None:
+        """First cell in which a tire has left or met the road too late, and by where in it."""
+        slack = LIFT_OFF * self.run.crossing.linear.static_loads
+        pulling = ((self.stages[:, 0] < -slack) & self.touching).any(axis=2)
+        late = (_margins(self.would_be[1:], self.touching) < -slack).any(axis=1)
+        found = np.nonzero(pulling.any(axis=1) | late)[0]
+        if not found.size:
+            return None
+        of_cell = pulling[found[0]]
+        return int(found[0]), float(GAUSS[np.argmax(of_cell)]) if of_cell.any() else 1.0
+
+    def part(self, count: int) -> _Part:
+        """The first cells."""
+        forces = np.where(self.touching, np.maximum(self.would_be, 0.0), 0.0)
+        after, inside = slice(1, count + 1), slice(count)
+        return _Part(
+            self.nodes[after], self.states[after], forces[after], self.stages[inside, 0],
+            self.effects[inside],
+        )  # fmt: skip
+
+    def event(self, cell: int, latest: float, first: float) -> float:
+        """Fraction of a cell, up to `latest`, where a tire first leaves or meets the road."""
+        tried = first + (latest - first) * (1 + _TRIED) / 2
+        margins = _margins(self._within(cell, np.append(first, tried))[1], self.touching)
+        if margins[0].min() <= 0:
+            return first
+        series = _TO_SERIES @ margins[1:]
+
+        def margin(fraction: float) -> float:
+            place = 2 * (fraction - first) / (latest - first) - 1
+            return float(np.polynomial.chebyshev.chebval(place, series).min())
+
+        return float(brentq(margin, first, latest, xtol=EVENT_TOLERANCE))
+
+    def cut(self, cell: int, fraction: float) -> tuple[_Part, int]:
+        """A cell up to an event, and the tire that leaves or meets the road there."""
+        crossing, slack = self.run.crossing, LIFT_OFF * self.run.crossing.linear.static_loads
+        inside = fraction * np.append(SAMPLES[1:], 1.0)
+        states, would_be = self._within(cell, inside)
+        forces = parabola(np.append(inside, fraction * GAUSS)) @ self.stages[cell, 0]
+        turning = int(np.argmin(_margins(would_be[-1], self.touching) / slack))
+        x, width = self.nodes[cell], self.nodes[cell + 1] - self.nodes[cell]
+        touching = self.touching & (np.arange(len(slack)) != turning)
+        effects = crossing.values(x + inside[:-1] * width, states[:-1], forces[: len(inside) - 1])
+        end = np.where(touching, np.maximum(would_be[-1], 0.0), 0.0)
+        part = _Part(
+            x + inside[-1:] * width, states[-1:], end[np.newaxis],
+            forces[np.newaxis, len(inside) :], effects[np.newaxis],
+        )  # fmt: skip
+        return part, turning
+
+    def _within(self, cell: int, fractions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """States at fractions of a cell, and the forces that tires would have there."""
+        crossing, vehicle = self.run.crossing, self.run.crossing.linear
+        x, width = self.nodes[cell], self.nodes[cell + 1] - self.nodes[cell]
+        duration = np.array([[width / self.speed]])
+        forces, surface = self.stages[cell]
+        start, n = self.states[cell], crossing.n_vehicle
+        free, held = (
+            of[0, 0] for of in hold_responses(
+                *vehicle_matrices(vehicle, self.touching), duration, GAUSS, fractions
+            )
+        )  # fmt: skip
+        of_vehicle = free @ start[:n] + held.reshape(*free.shape[:2], -1) @ surface.ravel()
+        loads = modal_forces(crossing, np.array([x]), np.array([width]), forces[np.newaxis, np.newaxis])
+        free, held = (
+            of[0, 0] for of in mode_responses(crossing.beam, duration, FORCE_POINTS, fractions)
+        )
+        modes = free @ start[n:].reshape(-1, 1, 2, 1) + held @ loads[0, 0][:, np.newaxis, :, np.newaxis]
+        states = np.hstack([of_vehicle, modes[..., 0].swapaxes(0, 1).reshape(len(fractions), -1)])
+        places = x + fractions * width
+        return states, _would_be(crossing, places, states, self.run.road(places))
 
 
 def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
@@ -125,83 +198,46 @@ def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
     -------
     Flight
     """
-    crossing, stepper = run.crossing, _Stepper(run, speed, nodes)
-    slack = LIFT_OFF * crossing.linear.static_loads
-    touching = np.ones(crossing.linear.n_tires, dtype=bool)
-    state: FloatArray = np.zeros(crossing.n_states)
-    force = crossing.linear.static_loads
-    places, states, forces, effects = [nodes[0]], [state], [force], []
-    for c, end in enumerate(nodes[1:]):
-        x, turning = nodes[c], None
-        while x < end:
-            reach = end
-            if x == nodes[c]:
-                step = stepper.whole(c, state, touching)
-            else:
-                step = stepper.part(x, end, state, touching)
-            latest = _violation(step, touching, slack)
-            just_turned, turning = turning is not None, None
-            if latest is not None:
-                reach = _event(stepper, x, end, latest, state, touching, just_turned)
-                step = stepper.part(x, reach, state, touching)
-                turning = int(np.argmin(_margins(step.would_be, touching) / slack))
-            effects.append([_effect(crossing, x, state, force), *step.effects])
-            if turning is not None:
-                touching = touching.copy()
-                touching[turning] = not touching[turning]
-            x, state = reach, step.state
-            force = np.where(touching, np.maximum(step.would_be, 0.0), 0.0)
-            places.append(x)
-            states.append(state)
-            forces.append(force)
-    last = _effect(crossing, nodes[-1], state, force)
-    return Flight(
-        np.array(places),
-        np.array(states).T,
-        np.array(forces).T,
-        np.append(np.ravel(effects), last),
-    )
+    loads = run.crossing.linear.static_loads
+    touching, turned, count = np.ones(len(loads), dtype=bool), False, FEWEST_CELLS
+    parts, x, state = [], nodes[0], np.zeros(run.crossing.n_states)
+    while x < nodes[-1]:
+        ahead = nodes[np.searchsorted(nodes, x, side="right") :][:count]
+        stretch = _Stretch(run, speed, np.append(x, ahead), state, touching)
+        found = stretch.violation()
+        if found is None:
+            parts.append(stretch.part(len(ahead)))
+            turned, count = False, 2 * count
+        else:
+            cell, latest = found
+            parts.append(stretch.part(cell))
+            first = GRAZING if turned and cell == 0 else EVENT_TOLERANCE
+            part, turning = stretch.cut(cell, stretch.event(cell, latest, first))
+            parts.append(part)
+            touching = touching.copy()
+            touching[turning] = not touching[turning]
+            turned, count = True, FEWEST_CELLS
+        x, state = parts[-1].ends[-1], parts[-1].states[-1]
+    ends, states, forces, stage_forces, inner = (np.concatenate(of) for of in zip(*parts, strict=True))
+    ends, forces = np.append(nodes[0], ends), np.vstack([loads, forces])
+    states = np.vstack([np.zeros(run.crossing.n_states), states])
+    at_nodes = run.crossing.values(ends, states, forces)
+    effects = np.column_stack([at_nodes[:-1], inner]).ravel()
+    return Flight(ends, states.T, forces.T, stage_forces, np.append(effects, at_nodes[-1]))
 
 
-def _effect(crossing: Crossing, x: float, state: FloatArray, force: FloatArray) -> float:
-    return float(crossing.values(np.array([x]), state[np.newaxis], force[np.newaxis])[0])
+def _would_be(
+    crossing: Crossing, x: FloatArray, states: FloatArray, road: FloatArray
+) -> FloatArray:
+    """Forces that tires would have if they could pull (m, n_tires), for states (m, n)."""
+    n = crossing.n_vehicle
+    deflections = (crossing.tire_shapes(x) @ states[:, n::2, np.newaxis])[..., 0]
+    return crossing.tire_forces(states[:, :n] @ crossing.linear.hubs.T, deflections, road)
 
 
 def _margins(would_be: FloatArray, touching: NDArray[np.bool_]) -> FloatArray:
     """How far each tire is from leaving or meeting the road [N]; negative is too late."""
     return np.where(touching, would_be, -would_be)
-
-
-def _violation(step: _Step, touching: NDArray[np.bool_], slack: FloatArray) -> float | None:
-    """Fraction of the cell by which some tire has left or met the road, None if none has."""
-    pulling = (step.stage_forces < -slack) & touching
-    if pulling.any():
-        return float(GAUSS[np.argmax(pulling.any(axis=1))])
-    late = _margins(step.would_be, touching) < -slack
-    return 1.0 if late.any() else None
-
-
-def _event(
-    stepper: _Stepper,
-    x: float,
-    end: float,
-    latest: float,
-    state: FloatArray,
-    touching: NDArray[np.bool_],
-    just_turned: bool,
-) -> float:
-    """Position of the first lift-off or landing between x and the fraction `latest` [m]."""
-
-    def margin(fraction: float) -> float:
-        part = stepper.part(x, x + fraction * (end - x), state, touching)
-        return float(_margins(part.would_be, touching).min())
-
-    # The tire that has just left or met the road has a margin of zero, give or take round-off.
-    first = GRAZING if just_turned else EVENT_TOLERANCE
-    if margin(first) <= 0:
-        return x + first * (end - x)
-    fraction = brentq(margin, first, latest, xtol=EVENT_TOLERANCE)
-    return x + fraction * (end - x)
 
 
 def warn_of_flight(place: float) -> None:

@@ -12,9 +12,12 @@ the two nearly cancel: there the power series of their sum takes its place.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.model.bridge import BridgeModel
+
+ComplexArray = NDArray[np.complex128]
 
 SLOW = 1.0
 """Phase of a cell w h [rad] up to which the power series is used."""
@@ -25,7 +28,7 @@ N_TERMS = 20
 
 def mode_responses(
     bridge: BridgeModel, durations: FloatArray, stages: FloatArray, points: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray]:
     """Responses of each mode to its state at the start of a cell and to modal forces [N].
 
     Parameters
@@ -41,25 +44,65 @@ def mode_responses(
     Returns
     -------
     free, held : ndarray, shapes (S, U, modes, p, 2, 2) and (S, U, modes, p, 2, q)
-    rest : ndarray, shape (S, U, modes, 2, q)
-        State from which nothing rings: the polynomial's at the start.
     """
-    # A cell cut at a place within round-off of its end has no duration.
-    duration = np.repeat(np.maximum(durations, 1e-15)[..., np.newaxis], bridge.n_modes, axis=-1)
-    phase = duration * bridge.omega
-    damping = np.broadcast_to(bridge.damping_ratios, phase.shape)
+    phase, damping, duration = _phases(bridge, durations)
     free = _free(phase, damping, duration, points)
     polynomials = _particular(np.maximum(phase, SLOW), damping, len(stages))
-    rest = _states(polynomials, np.zeros(1), duration)[..., 0, :, :]
-    held = _states(polynomials, points, duration) - free @ rest[..., np.newaxis, :, :]
+    rest = _states(polynomials, np.zeros(1), duration)
+    held = _states(polynomials, points, duration) - free @ rest
     slow = phase < SLOW
     if slow.any():
         series = _series(phase[slow], damping[slow], len(stages))
         held[slow] = _states(series, points, duration[slow])
-    lagrange = np.linalg.inv(np.vander(stages, increasing=True))
+    return free, held @ _from_values(bridge, stages)[:, np.newaxis]
+
+
+def ringing(
+    bridge: BridgeModel, durations: FloatArray, stages: FloatArray
+) -> tuple[ComplexArray, ComplexArray]:
+    """What rings in cells, q = sum_k b_k s^k + Re(a e^(b s)): fast modes, w h > `SLOW`.
+
+    Parameters
+    ----------
+    bridge, durations, stages
+        See `mode_responses`.
+
+    Returns
+    -------
+    from_states, from_forces : ndarray, shapes (S, U, modes, 2) and (S, U, modes, q)
+        Amplitude a [m] from the state at the start and the modal forces [N].
+    """
+    phase, damping, duration = _phases(bridge, durations)
+    polynomials = _particular(np.maximum(phase, SLOW), damping, len(stages))
+    rest = _states(polynomials, np.zeros(1), duration) @ _from_values(bridge, stages)[:, np.newaxis]
+    rate = rates(bridge)
+    turn = -1j / rate.imag
+    from_states = np.column_stack([1 - turn * rate.real, turn])[:, np.newaxis]
+    from_forces = -(from_states @ rest[..., 0, :, :])[..., 0, :]
+    return np.broadcast_to(from_states[:, 0], (*phase.shape, 2)), from_forces
+
+
+def rates(bridge: BridgeModel) -> ComplexArray:
+    """Exponents of the free motions of the modes [rad/s], shape (n_modes,)."""
+    damping = bridge.damping_ratios
+    return np.asarray(bridge.omega * (-damping + 1j * np.sqrt(1 - damping**2)))
+
+
+def _phases(
+    bridge: BridgeModel, durations: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Phase w h [rad], damping ratio and duration [s] of each cell and mode, (S, U, modes)."""
+    # A cell cut at a place within round-off of its end has no duration.
+    duration = np.repeat(np.maximum(durations, 1e-15)[..., np.newaxis], bridge.n_modes, axis=-1)
+    phase = duration * bridge.omega
+    return phase, np.broadcast_to(bridge.damping_ratios, phase.shape), duration
+
+
+def _from_values(bridge: BridgeModel, stages: FloatArray) -> FloatArray:
+    """Static responses to powers of s from the values of a modal force, (modes, q, q)."""
     stiffness = bridge.modal_masses * bridge.omega**2
-    to_values = lagrange / stiffness[:, np.newaxis, np.newaxis]
-    return free, held @ to_values[:, np.newaxis], rest @ to_values
+    lagrange = np.linalg.inv(np.vander(stages, increasing=True))
+    return np.asarray(lagrange / stiffness[:, np.newaxis, np.newaxis])
 
 
 def _free(

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import SAMPLES
-
-ComplexArray = NDArray[np.complex128]
+from bridgectl.linear.modes import ComplexArray
 
 _PER_CELL = len(SAMPLES)
 _KNOTS = np.append(SAMPLES, 1.0)

@@ -144,7 +144,7 @@ def predict(
     crossing, n, first = run.crossing, run.crossing.n_states, 0
     durations = np.diff(nodes) / speed
     transitions, offsets = np.zeros((len(durations), n, n)), np.zeros((len(durations), n))
-    for _, cells, road, *_ in stretches or propagate(run, np.array([speed]), nodes):
+    for cells, road, *_ in stretches or propagate(run, np.array([speed]), nodes):
         own, size = slice(first, first + len(cells.kind)), cells.n_states
         from_states, from_road = (of[0, :, :size] for of in cells.transitions())
         transitions[own, :size, :size] = from_states[cells.map_of]

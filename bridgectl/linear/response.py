@@ -17,7 +17,7 @@ from bridgectl._units import to_kmh
 from bridgectl.linear.cells import SAMPLES, bridge_entry, sample_positions
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.lift_off import fly, warn_of_flight, warn_of_flights
-from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.peaks import Ringing, find_peaks
 from bridgectl.linear.runs import (
     Run,
     at_nodes,
@@ -150,8 +150,10 @@ def linear_dafs(
         for batch in track(batches, "Simulating crossings", len(batches), show=progress):
             stretches = propagate(run, speeds[batch], run.nodes(speeds[batch].min()))
             bridge = stretches[-1]
-            histories = effect_samples(crossing, bridge).T
-            result[batch] = find_peaks(histories, ringing(crossing, bridge)).values
+            rings = ringing(
+                crossing, speeds[batch], bridge.cells.nodes, bridge.states, bridge.forces
+            )
+            result[batch] = find_peaks(effect_samples(crossing, bridge).T, rings).values
             linear[batch] = ~lifts_off(crossing, stretches)
     simulate = _flying_peak if method == "propagator" else _reference_peak
     flights = {}
@@ -167,7 +169,12 @@ def linear_dafs(
 def _flying_peak(run: Run, speed: float) -> tuple[float, float | None]:
     """DAF with the tires kept from pulling, and where one first leaves the road."""
     flight = fly(run, speed, run.nodes(speed))
-    return _peak(flight.effects, flight.nodes), first_flight(flight.nodes, flight.forces)
+    on = slice(bridge_entry(flight.nodes), None)
+    forces = flight.stage_forces[on].reshape(1, len(flight.nodes[on]) - 1, -1)
+    states = flight.states.T[np.newaxis, on]
+    rings = ringing(run.crossing, np.array([speed]), flight.nodes[on], states, forces)
+    peak = _peak(flight.effects, flight.nodes, rings)
+    return peak, first_flight(flight.nodes, flight.forces)
 
 
 def _reference_peak(run: Run, speed: float) -> tuple[float, float | None]:
@@ -179,7 +186,7 @@ def _reference_peak(run: Run, speed: float) -> tuple[float, float | None]:
     return _peak(effect, nodes), first_flight(positions, forces)
 
 
-def _peak(samples: FloatArray, nodes: FloatArray) -> float:
+def _peak(samples: FloatArray, nodes: FloatArray, rings: Ringing | None = None) -> float:
     """Peak of an effect on the bridge, from its samples on the approach and the bridge."""
     before = len(SAMPLES) * bridge_entry(nodes)
-    return float(find_peaks(samples[before:, np.newaxis]).values[0])
+    return float(find_peaks(samples[before:, np.newaxis], rings).values[0])

@@ -19,13 +19,14 @@ from numpy.typing import NDArray
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
+from bridgectl.linear import modes
 from bridgectl.linear.cells import (
     FORCE_POINTS,
     N_STAGES,
-    TO_FORCES,
     Cells,
     bridge_entry,
     build_cells,
+    modal_forces,
     road_rows,
 )
 from bridgectl.linear.nodes import MAX_BEAM_PHASE, cell_nodes, kink_positions
@@ -76,14 +77,18 @@ class Run(NamedTuple):
 class Stretch(NamedTuple):
     """The approach or the bridge, simulated: `Cells.propagate` for one road.
 
-    `speeds` has shape (S,), `road` (C + 1, n_tires), `states` (S, C + 1, n), `stages` (S, C, 2 q).
+    `road` has shape (C + 1, n_tires), `states` (S, C + 1, n), `stages` (S, C, 2 q).
     """
 
-    speeds: FloatArray
     cells: Cells
     road: FloatArray
     states: FloatArray
     stages: FloatArray
+
+    @property
+    def forces(self) -> FloatArray:
+        """Tire forces at the stages [N], (S, C, q)."""
+        return self.stages[..., : self.stages.shape[-1] // 2]
 
 
 def prepare(
@@ -115,9 +120,11 @@ def prepare(
 
 def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> Iterator[slice]:
     """Slices of the speeds whose maps fit in memory together."""
-    crossing, stages = run.crossing, 2 * N_STAGES * run.crossing.linear.n_tires
-    cells = len(run.nodes(float(speeds.min())))
-    bytes_per_speed = 8 * cells * stages * (4 * crossing.n_states + stages)
+    stages = 2 * N_STAGES * run.crossing.linear.n_tires
+    nodes, n = run.nodes(float(speeds.min())), run.crossing.n_states
+    # Before the bridge cells share their maps.
+    cells = len(nodes) - bridge_entry(nodes)
+    bytes_per_speed = 8 * cells * (stages * (4 * n + stages) + n * min(n, 2 * stages))
     size = max(1, int(memory / bytes_per_speed))
     return (slice(i, i + size) for i in range(0, len(speeds), size))
 
@@ -129,17 +136,17 @@ def propagate(run: Run, speeds: FloatArray, nodes: FloatArray) -> list[Stretch]:
     stretches = []
     if entry > 0:
         cells = build_cells(crossing, speeds, nodes[: entry + 1], on_bridge=False)
-        approach = _through(run, speeds, cells, initial[:, : crossing.n_vehicle])
+        approach = _through(run, cells, initial[:, : crossing.n_vehicle])
         initial[:, : crossing.n_vehicle, 0] = approach.states[:, -1]
         stretches.append(approach)
     cells = build_cells(crossing, speeds, nodes[entry:], on_bridge=True)
-    return [*stretches, _through(run, speeds, cells, initial)]
+    return [*stretches, _through(run, cells, initial)]
 
 
-def _through(run: Run, speeds: FloatArray, cells: Cells, initial: FloatArray) -> Stretch:
+def _through(run: Run, cells: Cells, initial: FloatArray) -> Stretch:
     road = run.road(cells.nodes)
     states, stages = cells.propagate(road_rows(road)[..., np.newaxis], initial)
-    return Stretch(speeds, cells, road, states[..., 0], stages[..., 0])
+    return Stretch(cells, road, states[..., 0], stages[..., 0])
 
 
 def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
@@ -150,27 +157,29 @@ def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
     return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
 
 
-def ringing(crossing: Crossing, bridge: Stretch) -> Ringing | None:
-    """What rings in the effect faster than the bridge's cells are sampled, if anything."""
-    cells, beam, n = bridge.cells, crossing.beam, crossing.n_vehicle
-    durations = np.diff(cells.nodes) / bridge.speeds[:, np.newaxis]
+def ringing(
+    crossing: Crossing, speeds: FloatArray, nodes: FloatArray, states: FloatArray, forces: FloatArray
+) -> Ringing | None:
+    """What rings in the effect faster than the bridge's cells are sampled, if anything.
+
+    Of states (S, C + 1, n) at the nodes and tire forces (S, C, q) at the stages.
+    """
+    beam, n, (n_speeds, n_cells, q) = crossing.beam, crossing.n_vehicle, forces.shape
+    widths, kind = np.unique(np.round(np.diff(nodes), 10), return_inverse=True)
+    durations = widths / speeds[:, np.newaxis]
     fast = np.nonzero(beam.omega * durations.max() > MAX_BEAM_PHASE)[0]
     of_beam = crossing.rows(0.0).per_state[n:].reshape(-1, 2)[fast]
     if not of_beam.any():
         return None
-    places = cells.nodes[:-1, np.newaxis] + np.diff(cells.nodes)[:, np.newaxis] * FORCE_POINTS
-    forces = bridge.stages[..., : bridge.stages.shape[-1] // 2].reshape(*durations.shape, N_STAGES, -1)
-    modal = np.einsum("cfkj,scfk->scjf", crossing.tire_shapes(places)[..., fast], TO_FORCES @ forces)
-    start = bridge.states[:, :-1, n:].reshape(*durations.shape, -1, 2)[:, :, fast]
-    start = start - (cells.rest[:, cells.kind][:, :, fast] @ modal[..., np.newaxis])[..., 0]
-    decay = beam.damping_ratios[fast] * beam.omega[fast]
-    turning = np.sqrt(beam.omega[fast] ** 2 - decay**2)
-    rate = -decay + 1j * turning
-    amplitude = start[..., 0] - 1j * (start[..., 1] + decay * start[..., 0]) / turning
-    amplitude = amplitude * (of_beam[:, 0] + of_beam[:, 1] * rate)
-    return Ringing(
-        np.moveaxis(amplitude, 0, 2), np.moveaxis(durations[..., np.newaxis] * rate, 0, 2)
-    )
+    from_states, from_forces = (of[:, kind][:, :, fast] for of in modes.ringing(beam, durations, FORCE_POINTS))
+    loads = modal_forces(crossing, nodes[:-1], np.diff(nodes), forces.reshape(n_speeds, n_cells, N_STAGES, -1))
+    start = states[:, :-1, n:].reshape(n_speeds, n_cells, -1, 2)[:, :, fast]
+    amplitude = (from_states * start).sum(axis=-1)
+    amplitude += np.einsum("scjf,scjf->scj", from_forces, loads[:, :, fast])
+    rates = modes.rates(beam)[fast]
+    amplitude *= of_beam[:, 0] + of_beam[:, 1] * rates
+    exponents = durations[:, kind, np.newaxis] * rates
+    return Ringing(np.moveaxis(amplitude, 0, 2), np.moveaxis(exponents, 0, 2))
 
 
 def lifts_off(crossing: Crossing, stretches: list[Stretch]) -> NDArray[np.bool_]:
@@ -178,10 +187,9 @@ def lifts_off(crossing: Crossing, stretches: list[Stretch]) -> NDArray[np.bool_]
     least = np.full(len(stretches[0].states), np.inf)
     for stretch in stretches:
         at_nodes = _node_forces(crossing, stretch) / crossing.linear.static_loads
-        at_stages = stretch.stages[..., : stretch.stages.shape[-1] // 2]
         loads = np.tile(crossing.linear.static_loads, N_STAGES)
         least = np.minimum(least, at_nodes.min(axis=(1, 2)))
-        least = np.minimum(least, (at_stages / loads).min(axis=(1, 2)))
+        least = np.minimum(least, (stretch.forces / loads).min(axis=(1, 2)))
     return np.asarray(least < -LIFT_OFF)
 
 
