@@ -44,8 +44,8 @@ def parabola(fractions: FloatArray) -> FloatArray:
     return np.vander(fractions, N_STAGES) @ np.linalg.inv(np.vander(GAUSS))
 
 
-FORCE_POINTS = (np.polynomial.legendre.leggauss(5)[0] + 1) / 2
-"""Where modal forces are told, which waves of the mode shapes bend."""
+FORCE_POINTS = np.append(GAUSS, [0.0, 1.0])
+"""Where modal forces are told, which waves of the mode shapes bend: the stages and both ends."""
 
 N_FORCES = len(FORCE_POINTS)
 
@@ -320,30 +320,33 @@ def _beam_maps(
     free, held = (
         of[:, :, :n_modes] for of in mode_responses(crossing.beam, durations, FORCE_POINTS, _POINTS)
     )
-    shapes = crossing.tire_shapes(starts + steps * GAUSS)[..., :n_modes]
-    q = N_STAGES * shapes.shape[2]  # tires innermost
     forces = crossing.tire_shapes(starts + steps * FORCE_POINTS)[..., :n_modes]
-    loads = np.einsum("mfkj,fp->jfmpk", forces, TO_FORCES)
+    shapes = forces[:, :N_STAGES]
+    q = N_STAGES * shapes.shape[2]  # tires innermost
+    by_mode = np.ascontiguousarray(forces.transpose(3, 1, 0, 2))[:, :, :, np.newaxis]
+    loads = by_mode * TO_FORCES[:, np.newaxis, :, np.newaxis]
     loads = loads.reshape(n_modes, N_FORCES, n_maps, q)
     rows = np.concatenate([held[:, :, :, :N_STAGES, 0], held[:, :, :, END]], axis=3)
     effects = np.einsum("ja,sujpaf->supjf", of_beam, held[:, :, :, _INNER])
-    compliance = np.empty((n_speeds, n_maps, q, q))
-    at_end = np.empty((n_speeds, n_maps, n_modes, 2, q))
-    effect = np.empty((n_speeds, n_maps, len(_INNER), q))
-    for u in range(durations.shape[1]):
-        own = np.nonzero(kind == u)[0]
-        here = loads[:, :, own].reshape(n_modes, N_FORCES, len(own) * q)
+    compliance = np.zeros((n_speeds, n_maps, q, q))
+    at_end = np.zeros((n_speeds, n_maps, n_modes, 2, q))
+    effect = np.zeros((n_speeds, n_maps, len(_INNER), q))
+    for u in range(durations.shape[1]) if n_modes else ():
+        of_kind = kind == u
+        own = slice(None) if of_kind.all() else np.nonzero(of_kind)[0]
+        here = loads[:, :, own]
+        size, here = here.shape[2], here.reshape(n_modes, N_FORCES, -1)
         # Of each mode by speed, row, cell and stage value.
         response = rows[:, u].swapaxes(0, 1).reshape(n_modes, n_speeds * N_ROWS, N_FORCES) @ here
-        response = response.reshape(n_modes, n_speeds, N_ROWS, len(own), q)
+        response = response.reshape(n_modes, n_speeds, N_ROWS, size, q)
         compliance[:, own] = np.einsum(
             "mikj,jsimq->smikq", shapes[own], response[:, :, :N_STAGES]
-        ).reshape(n_speeds, len(own), q, q)
+        ).reshape(n_speeds, size, q, q)
         at_end[:, own] = response[:, :, N_STAGES:].transpose(1, 3, 0, 2, 4)
-        here = here.reshape(n_modes * N_FORCES, len(own) * q)
-        of_kind = effects[:, u].reshape(n_speeds * len(_INNER), n_modes * N_FORCES) @ here
-        effect[:, own] = of_kind.reshape(n_speeds, len(_INNER), len(own), q).swapaxes(1, 2)
-    deflections = np.einsum("mikj,smjia->smikja", shapes, free[:, kind][:, :, :, :N_STAGES, 0])
+        values = effects[:, u].reshape(n_speeds * len(_INNER), -1) @ here.reshape(-1, size * q)
+        effect[:, own] = values.reshape(n_speeds, -1, size, q).swapaxes(1, 2)
+    displacements = free[:, :, :, :N_STAGES, 0].swapaxes(2, 3)[:, kind, :, np.newaxis]
+    deflections = shapes[..., np.newaxis] * displacements
     return _BeamMaps(
         free,
         deflections.reshape(n_speeds, n_maps, q, 2 * n_modes),

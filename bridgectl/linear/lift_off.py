@@ -40,7 +40,7 @@ GRAZING = 1e-3
 """After an event the next one is looked for from this fraction of the rest of the cell on."""
 
 FEWEST_CELLS = 16
-"""Cells that are tried at once after an event; twice as many each time nothing happens."""
+"""Cells that are tried at once after an event; four times as many each time nothing happens."""
 
 _TRIED = np.polynomial.chebyshev.chebpts1(12)
 _TO_SERIES = np.linalg.inv(np.polynomial.chebyshev.chebvander(_TRIED, len(_TRIED) - 1))
@@ -207,7 +207,7 @@ def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
         found = stretch.violation()
         if found is None:
             parts.append(stretch.part(len(ahead)))
-            turned, count = False, 2 * count
+            turned, count = False, 4 * count
         else:
             cell, latest = found
             parts.append(stretch.part(cell))

@@ -17,7 +17,7 @@ _TO_POLYNOMIAL = np.linalg.inv(np.vander(_KNOTS))
 _N_FINE = 33
 """Values of a cell's polynomial among which its peak is looked for."""
 
-FINE_PHASE = 0.3
+FINE_PHASE = 0.6
 """Phase of what rings between such values [rad]: a parabola then finds the peak of it."""
 
 

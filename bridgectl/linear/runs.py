@@ -124,7 +124,7 @@ def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> 
     nodes, n = run.nodes(float(speeds.min())), run.crossing.n_states
     # Before the bridge cells share their maps.
     cells = len(nodes) - bridge_entry(nodes)
-    bytes_per_speed = 8 * cells * (stages * (4 * n + stages) + n * min(n, 2 * stages))
+    bytes_per_speed = 8 * cells * stages * (4 * n + stages)
     size = max(1, int(memory / bytes_per_speed))
     return (slice(i, i + size) for i in range(0, len(speeds), size))
 
@@ -171,11 +171,15 @@ def ringing(
     of_beam = crossing.rows(0.0).per_state[n:].reshape(-1, 2)[fast]
     if not of_beam.any():
         return None
-    from_states, from_forces = (of[:, kind][:, :, fast] for of in modes.ringing(beam, durations, FORCE_POINTS))
-    loads = modal_forces(crossing, nodes[:-1], np.diff(nodes), forces.reshape(n_speeds, n_cells, N_STAGES, -1))
+    from_states, from_forces = (
+        of[:, :, fast][:, kind] for of in modes.ringing(beam, durations, FORCE_POINTS)
+    )
+    loads = modal_forces(
+        crossing, nodes[:-1], np.diff(nodes), forces.reshape(n_speeds, n_cells, N_STAGES, -1)
+    )
     start = states[:, :-1, n:].reshape(n_speeds, n_cells, -1, 2)[:, :, fast]
     amplitude = (from_states * start).sum(axis=-1)
-    amplitude += np.einsum("scjf,scjf->scj", from_forces, loads[:, :, fast])
+    amplitude += (from_forces * loads[:, :, fast]).sum(axis=-1)
     rates = modes.rates(beam)[fast]
     amplitude *= of_beam[:, 0] + of_beam[:, 1] * rates
     exponents = durations[:, kind, np.newaxis] * rates
