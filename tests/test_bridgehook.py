@@ -79,7 +79,7 @@ def expected_state(bridge, car, place, measured):
     """Deviation of the states to be expected of velocities of body and axle, on the bridge."""
     crossing, nodes = bc.Crossing(bridge, car), np.linspace(0, 25, 251)
     cells = build_cells(crossing, np.array([SPEED]), nodes, on_bridge=True)
-    steps = cells.transitions()[0][0, :, : crossing.n_states]
+    steps = cells.transitions()[0, :, : crossing.n_states, : crossing.n_states]
     gains = _expected(crossing, steps, np.diff(nodes) / SPEED)
     return gains[np.argmin(np.abs(nodes - place))] @ measured
 
@@ -183,7 +183,7 @@ def test_on_a_bridge_that_does_not_yield_velocities_tell_what_they_told_on_the_r
     crossing, nodes = bc.Crossing(rock, middle_truck), np.linspace(0, 25, 126)
     cells = build_cells(crossing, np.array([SPEED]), nodes, on_bridge=True)
     gains = _expected(
-        crossing, cells.transitions()[0][0, :, : crossing.n_states], np.diff(nodes) / SPEED
+        crossing, cells.transitions()[0, :, : crossing.n_states, : crossing.n_states], np.diff(nodes) / SPEED
     )
     # Displacements [m] per velocity [m/s]: up to 0.13 s.
     on_road = np.broadcast_to(gains[0, :4], gains[:, :4].shape)

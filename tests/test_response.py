@@ -241,7 +241,7 @@ def test_the_maps_of_a_batch_of_speeds_fill_half_the_memory_or_more_and_not_more
     run = prepare(bc.Crossing(bridge, vehicle), None, 0.0)
     speeds = np.linspace(25, 40, 100)
     cells = build_cells(run.crossing, speeds[:1], run.nodes(25.0), on_bridge=True)
-    maps = (cells.inputs, cells.from_states, cells.from_road, cells.effect_from_stages)
+    maps = (cells.gains, cells.to_stages)
     memory = 10 * sum(of_one.nbytes for of_one in maps)
     assert 5 <= next(speed_batches(run, speeds, memory)).stop <= 10
 

@@ -84,14 +84,14 @@ class Cells:
         Kind and map of each cell.
     free : ndarray, shape (S, U, n, n)
         States at the end from the states at the start, with no input.
-    inputs : ndarray, shape (S, M, n, 2 q)
-        States at the end, from the stage values [R, u].
-    from_states, from_road : ndarray, shapes (S, M, 2 q, n) and (S, M, 2 q, 2 n_tires + 1)
-        Stage values [R, u] of tire forces [N] and surface under the tires [m].
+    gains : ndarray, shape (S, M, n + N_INNER, 2 q)
+        States at the end, and the crossing's effect at the samples after the start, from the
+        stage values [R, u].
+    to_stages : ndarray, shape (S, M, 2 q, n + 2 n_tires + 1)
+        Stage values [R, u] of tire forces [N] and surface under the tires [m], from the states
+        at the start and the road rows.
     effect_from_states : ndarray, shape (S, U, N_INNER, n)
         The crossing's effect at the samples after the start, from the states at the start.
-    effect_from_stages : ndarray, shape (S, M, N_INNER, 2 q)
-        The same, from the stage values [R, u].
     effect_constant : float
         What is always added to it.
     """
@@ -100,17 +100,35 @@ class Cells:
     kind: NDArray[np.intp]
     map_of: NDArray[np.intp]
     free: FloatArray
-    inputs: FloatArray
-    from_states: FloatArray
-    from_road: FloatArray
+    gains: FloatArray
+    to_stages: FloatArray
     effect_from_states: FloatArray
-    effect_from_stages: FloatArray
     effect_constant: float
 
     @property
     def n_states(self) -> int:
         """Number of states n."""
         return self.free.shape[-1]
+
+    @property
+    def inputs(self) -> FloatArray:
+        """States at the end from the stage values, (S, M, n, 2 q)."""
+        return self.gains[:, :, : self.n_states]
+
+    @property
+    def effect_from_stages(self) -> FloatArray:
+        """Effect at the samples from the stage values, (S, M, N_INNER, 2 q)."""
+        return self.gains[:, :, self.n_states :]
+
+    @property
+    def from_states(self) -> FloatArray:
+        """Stage values from the states at the start, (S, M, 2 q, n)."""
+        return self.to_stages[..., : self.n_states]
+
+    @property
+    def from_road(self) -> FloatArray:
+        """Stage values from the road rows, (S, M, 2 q, 2 n_tires + 1)."""
+        return self.to_stages[..., self.n_states :]
 
     def propagate(self, road: FloatArray, initial: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Run through the cells.
@@ -156,18 +174,19 @@ class Cells:
         """States at the end from the states at the start, the tires at work, (S, M, n, n)."""
         return np.asarray(self.inputs @ self.from_states + self.free[:, self.kind_of_map])
 
-    def transitions(self) -> tuple[FloatArray, FloatArray]:
-        """Maps from the states and from the road rows at a cell's start, by map.
+    def transitions(self) -> FloatArray:
+        """Maps from the states and the road rows at a cell's start, by map.
 
-        To the states at its end and the effect at its samples, stacked: shapes
-        (S, M, n + N_INNER, n) and (S, M, n + N_INNER, 2 n_tires + 1).
+        To the states at its end and the effect at its samples, stacked: shape
+        (S, M, n + N_INNER, n + 2 n_tires + 1).
         """
         n = self.n_states
-        effects = self.effect_from_stages @ self.from_states
-        effects += self.effect_from_states[:, self.kind_of_map]
-        from_road = np.concatenate([self.inputs, self.effect_from_stages], axis=2) @ self.from_road
-        from_road[:, :, n:, from_road.shape[-1] // 2] += self.effect_constant
-        return np.concatenate([self.steps, effects], axis=2), from_road
+        maps = np.asarray(self.gains @ self.to_stages)
+        maps[:, :, n:, (n + maps.shape[-1]) // 2] += self.effect_constant
+        for cell, kind in enumerate(self.kind_of_map):
+            maps[:, cell, :n, :n] += self.free[:, kind]
+            maps[:, cell, n:, :n] += self.effect_from_states[:, kind]
+        return maps
 
     def inner_effects(self, states: FloatArray, stages: FloatArray) -> FloatArray:
         """Effect at the samples after the start of all cells of one road.
@@ -238,13 +257,14 @@ def build_cells(
     of_beam = rows.per_state[n : n + 2 * n_modes].reshape(n_modes, 2)
     beam = _beam_maps(crossing, starts, steps, kind_of_map, durations, of_beam)
     from_vehicle, spring = _vehicle_stages(crossing, free_vehicle, held_vehicle, contact)
-    from_states, from_road = _solve_stages(
+    to_stages = _solve_stages(
         crossing, contact, from_vehicle[:, kind_of_map], spring[:, kind_of_map],
         beam.deflections, beam.compliance,
     )  # fmt: skip
 
     q, n_states = beam.compliance.shape[-1], n + 2 * n_modes
-    inputs = np.zeros((*beam.compliance.shape[:2], n_states, 2 * q))  # of [R, u]
+    gains = np.zeros((*beam.compliance.shape[:2], n_states + len(_INNER), 2 * q))  # of [R, u]
+    inputs, effect = gains[:, :, :n_states], gains[:, :, n_states:]
     inputs[:, :, n:, :q] = beam.at_end
     inputs[:, :, :n, q:] = held_vehicle[:, kind_of_map, END]
     free = np.zeros((*durations.shape, n_states, n_states))
@@ -252,7 +272,6 @@ def build_cells(
     for j, own in enumerate(np.arange(n, n_states).reshape(n_modes, 2)):
         free[:, :, own[:, np.newaxis], own] = beam.free[:, :, j, END]
     through_forces = np.einsum("mpk,pn->mpnk", rows.per_force, _FROM_STAGES)
-    effect = np.zeros((*beam.effect.shape[:-1], 2 * q))
     effect[..., :q] = beam.effect + through_forces.reshape(len(starts), -1, q)
     effect[..., q:] = (of_vehicle @ held_vehicle[:, :, _INNER])[:, kind_of_map]
     modes = np.einsum("ja,sujpab->supjb", of_beam, beam.free[:, :, :, _INNER])
@@ -261,8 +280,8 @@ def build_cells(
         modes.reshape(*modes.shape[:3], 2 * n_modes),
     ]
     return Cells(
-        nodes, kind, map_of, free, inputs, from_states, from_road,
-        np.concatenate(per_state, axis=-1), effect, rows.constant,
+        nodes, kind, map_of, free, gains, to_stages, np.concatenate(per_state, axis=-1),
+        rows.constant,
     )  # fmt: skip
 
 
@@ -377,7 +396,7 @@ def _solve_stages(
     spring: FloatArray,
     from_beam: FloatArray,
     compliance: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
+) -> FloatArray:
     """Stage values [R, u] from states and road rows: the system of the module's docstring."""
     n_tires, n = crossing.linear.n_tires, from_vehicle.shape[-1]
     stage, tire = np.divmod(np.arange(N_STAGES * n_tires), n_tires)
@@ -398,9 +417,7 @@ def _solve_stages(
     forces = np.linalg.solve(identity - spring @ compliance, np.concatenate(right, axis=-1))
     surface = compliance @ forces
     surface[..., n:] += np.concatenate([from_beam, road], axis=-1)
-    stages = np.concatenate([forces, surface], axis=2)
-    n_states = n + from_beam.shape[-1]
-    return stages[..., :n_states], stages[..., n_states:]
+    return np.concatenate([forces, surface], axis=2)
 
 
 def hold_responses(

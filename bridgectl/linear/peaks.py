@@ -14,8 +14,9 @@ from bridgectl.linear.modes import ComplexArray
 _PER_CELL = len(SAMPLES)
 _KNOTS = np.append(SAMPLES, 1.0)
 _TO_POLYNOMIAL = np.linalg.inv(np.vander(_KNOTS))
-_N_FINE = 33
-"""Values of a cell's polynomial among which its peak is looked for."""
+_FINE = np.linspace(0.0, 1.0, 33)
+# Values on the fine grid of the polynomial through a cell's samples and its end.
+_TO_FINE = np.vander(_FINE, len(_KNOTS)) @ _TO_POLYNOMIAL
 
 FINE_PHASE = 0.6
 """Phase of what rings between such values [rad]: a parabola then finds the peak of it."""
@@ -133,12 +134,12 @@ def _peaks_of_cells(
     samples: FloatArray, ringing: Ringing | None
 ) -> tuple[FloatArray, FloatArray]:
     """Peak and its place in [0, 1] of cells given by their samples, shape (7, n)."""
-    grid, rung = np.linspace(0.0, 1.0, _N_FINE), 0.0
-    if ringing is not None and ringing.exponents.size:
-        n_fine = max(_N_FINE, int(np.abs(ringing.exponents).max() / FINE_PHASE) + 2)
-        grid = np.linspace(0.0, 1.0, n_fine)
-        samples, rung = samples - ringing.values(_KNOTS)[:, 0], ringing.values(grid)[:, 0]
-    fine = np.vander(grid, len(_KNOTS)) @ (_TO_POLYNOMIAL @ samples) + rung
+    grid, fine = _FINE, _TO_FINE @ samples
+    if ringing is not None:
+        n_fine = max(len(_FINE), int(np.abs(ringing.exponents).max() / FINE_PHASE) + 2)
+        grid, beyond = np.linspace(0.0, 1.0, n_fine), samples - ringing.values(_KNOTS)[:, 0]
+        fine = np.vander(grid, len(_KNOTS)) @ (_TO_POLYNOMIAL @ beyond)
+        fine += ringing.values(grid)[:, 0]
     top, each = fine.argmax(axis=0), np.arange(samples.shape[1])
     inner = np.clip(top, 1, len(grid) - 2)
     before, at, after = (fine[inner + shift, each] for shift in (-1, 0, 1))

@@ -146,9 +146,9 @@ def predict(
     transitions, offsets = np.zeros((len(durations), n, n)), np.zeros((len(durations), n))
     for cells, road, *_ in stretches or propagate(run, np.array([speed]), nodes):
         own, size = slice(first, first + len(cells.kind)), cells.n_states
-        from_states, from_road = (of[0, :, :size] for of in cells.transitions())
-        transitions[own, :size, :size] = from_states[cells.map_of]
-        offsets[own, :size] = np.einsum("cij,cj->ci", from_road[cells.map_of], road_rows(road))
+        maps = cells.transitions()[0, cells.map_of, :size]
+        transitions[own, :size, :size] = maps[..., :size]
+        offsets[own, :size] = (maps[..., size:] @ road_rows(road)[..., np.newaxis])[..., 0]
         first = own.stop
     velocities = np.zeros((len(crossing.linear.damper_map), n))
     velocities[:, : crossing.n_vehicle] = crossing.linear.damper_map @ crossing.linear.velocities

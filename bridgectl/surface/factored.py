@@ -75,7 +75,11 @@ class FactoredHistories:
         # Between samples a moment rises above them by its margin, to which a ramp adds as much as
         # its reach.
         room = margins(smooth[:, np.newaxis])[0] + 2 * ramps.reach()
-        for block in range(-(-(len(smooth) - 1) // per_block)):
+        starts = np.arange(0, len(smooth) - 1, per_block)
+        tops = np.maximum.reduceat(smooth, starts)
+        tops[:-1] = np.maximum(tops[:-1], smooth[starts[1:]])
+        tops[-1] = max(tops[-1], smooth[-1])
+        for block in np.nonzero(tops + room[: len(starts)] >= best.min())[0]:
             samples = smooth[block * per_block : (block + 1) * per_block + 1]
             high = np.nonzero(samples + room[block] >= best.min())[0]
             if high.size:
@@ -109,15 +113,21 @@ class RampsApart:
         self.direct = histories.direct[speed] * drop
         self.n_passed = min(int(self.local.min()), entry.shape[1])
         self.passed = entry[:, : self.n_passed]
-        self.from_entry = np.empty_like(self.rows)
+        self.from_entry = self.rows
         # One more column takes what the unused places of `local` bring.
-        others = np.pad(entry[:, self.n_passed :], ((0, 0), (0, 1)))
+        others = np.zeros((len(entry), entry.shape[1] - self.n_passed + 1))
+        others[:, :-1] = entry[:, self.n_passed :]
         self.states = np.empty((len(self.local), *others.shape))
-        through = np.eye(len(entry))
         for block, here in enumerate(self.local - self.n_passed):
-            self.from_entry[block], self.states[block] = self.rows[block] @ through, others
-            through, others = carried[block] @ through, carried[block] @ others
+            self.states[block] = others
+            np.matmul(carried[block], self.states[block], out=others)
             others[:, here] += added[block]
+        if self.n_passed:
+            through = np.eye(len(entry))
+            self.from_entry = np.empty_like(self.rows)
+            for block, rows in enumerate(self.rows):
+                self.from_entry[block] = rows @ through
+                through = carried[block] @ through
 
     def block(self, block: int, samples: slice = ALL) -> FloatArray:
         """Histories in a block, or at some samples of it, (T + 1, N)."""
@@ -129,10 +139,17 @@ class RampsApart:
 
     def reach(self) -> FloatArray:
         """What no ramp exceeds in a block, at samples: a bound, (B,)."""
-        others = np.abs(self.rows).max(axis=1) * np.abs(self.states).max(axis=2)
-        reach = others.sum(axis=1) + np.abs(self.direct).max(axis=(1, 2))
-        passed = np.abs(self.from_entry).max(axis=1) @ np.abs(self.passed).max(axis=1, initial=0.0)
-        return np.asarray(np.maximum(reach, passed))
+        others = _largest(self.rows, 1) * _largest(self.states, 2)
+        reach = others.sum(axis=1) + _largest(self.direct, (1, 2))
+        if self.n_passed:
+            passed = _largest(self.from_entry, 1) @ _largest(self.passed, 1)
+            reach = np.maximum(reach, passed)
+        return np.asarray(reach)
+
+
+def _largest(values: FloatArray, axis: int | tuple[int, ...]) -> FloatArray:
+    """Largest size along axes."""
+    return np.asarray(np.maximum(values.max(axis=axis), -values.min(axis=axis)))
 
 
 def joined(blocks: Iterable[FloatArray]) -> FloatArray:

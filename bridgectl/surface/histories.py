@@ -265,7 +265,7 @@ def _factor_blocks(
     states[:, :, own, own] = np.eye(n)
     effects = np.empty((n_speeds, n_blocks, per_block * len(SAMPLES) + 1, n_columns))
     at_nodes = _node_rows(run, cells)
-    through = np.concatenate(cells.transitions(), axis=-1)
+    through = cells.transitions()
     by_block = np.arange(n_blocks * per_block).reshape(n_blocks, per_block)
     for k in range(per_block):
         states[:, :, beyond] = road_rows[:, k]
