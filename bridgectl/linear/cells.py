@@ -183,9 +183,8 @@ class Cells:
         n = self.n_states
         maps = np.asarray(self.gains @ self.to_stages)
         maps[:, :, n:, (n + maps.shape[-1]) // 2] += self.effect_constant
-        for cell, kind in enumerate(self.kind_of_map):
-            maps[:, cell, :n, :n] += self.free[:, kind]
-            maps[:, cell, n:, :n] += self.effect_from_states[:, kind]
+        alone = np.concatenate([self.free, self.effect_from_states], axis=2)
+        maps[..., :n] += alone[:, self.kind_of_map] if alone.shape[1] > 1 else alone
         return maps
 
     def inner_effects(self, states: FloatArray, stages: FloatArray) -> FloatArray:
@@ -347,7 +346,7 @@ def _beam_maps(
     loads = loads.reshape(n_modes, N_FORCES, n_maps, q)
     rows = np.concatenate([held[:, :, :, :N_STAGES, 0], held[:, :, :, END]], axis=3)
     effects = np.einsum("ja,sujpaf->supjf", of_beam, held[:, :, :, _INNER])
-    compliance = np.zeros((n_speeds, n_maps, q, q))
+    compliance = np.zeros((n_speeds, n_maps, N_STAGES, q // N_STAGES, q))
     at_end = np.zeros((n_speeds, n_maps, n_modes, 2, q))
     effect = np.zeros((n_speeds, n_maps, len(_INNER), q))
     for u in range(durations.shape[1]) if n_modes else ():
@@ -358,9 +357,9 @@ def _beam_maps(
         # Of each mode by speed, row, cell and stage value.
         response = rows[:, u].swapaxes(0, 1).reshape(n_modes, n_speeds * N_ROWS, N_FORCES) @ here
         response = response.reshape(n_modes, n_speeds, N_ROWS, size, q)
-        compliance[:, own] = np.einsum(
-            "mikj,jsimq->smikq", shapes[own], response[:, :, :N_STAGES]
-        ).reshape(n_speeds, size, q, q)
+        for shape, of_mode in zip(np.moveaxis(shapes[own], -1, 0), response, strict=True):
+            deflection = of_mode[:, :N_STAGES].swapaxes(1, 2)[:, :, :, np.newaxis]
+            compliance[:, own] += shape[..., np.newaxis] * deflection
         at_end[:, own] = response[:, :, N_STAGES:].transpose(1, 3, 0, 2, 4)
         values = effects[:, u].reshape(n_speeds * len(_INNER), -1) @ here.reshape(-1, size * q)
         effect[:, own] = values.reshape(n_speeds, -1, size, q).swapaxes(1, 2)
@@ -369,7 +368,7 @@ def _beam_maps(
     return _BeamMaps(
         free,
         deflections.reshape(n_speeds, n_maps, q, 2 * n_modes),
-        compliance,
+        compliance.reshape(n_speeds, n_maps, q, q),
         at_end.reshape(n_speeds, n_maps, 2 * n_modes, q),
         effect,
     )

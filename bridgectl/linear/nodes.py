@@ -17,12 +17,10 @@ MAX_WIDTH = 0.1
 MAX_VEHICLE_PHASE = 0.4
 MAX_BEAM_PHASE = 1.7
 
-YIELDING = 16.5
-"""Frequency over the lowest, up to which cells follow a mode: four modes of a beam.
-
-Higher ones are so much stiffer than tires that what they do to their forces within a cell changes
-amplifications by less than 2e-6 (tests/test_modes.py).
-"""
+FOLLOWED, YIELDING = 4, 9.5
+"""Cells follow all of so many modes; of more modes those up to so many times the lowest frequency,
+three of a beam. Higher ones are so much stiffer than tires that what they do to tire forces within
+a cell changes amplifications by less than 2e-6 (tests/test_modes.py)."""
 
 
 def kink_positions(
@@ -47,7 +45,9 @@ def fastest_motion(crossing: Crossing) -> float:
 def highest_mode(crossing: Crossing) -> float:
     """Highest frequency of modes that cells follow [rad/s]."""
     omega = crossing.beam.omega
-    return float(omega[omega <= YIELDING * omega.min()].max())
+    if omega.size > FOLLOWED:
+        omega = omega[omega <= YIELDING * omega.min()]
+    return float(omega.max())
 
 
 def cell_width(vehicle: float, beam: float, speed: float) -> float:

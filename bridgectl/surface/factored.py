@@ -117,11 +117,13 @@ class RampsApart:
         # One more column takes what the unused places of `local` bring.
         others = np.zeros((len(entry), entry.shape[1] - self.n_passed + 1))
         others[:, :-1] = entry[:, self.n_passed :]
-        self.states = np.empty((len(self.local), *others.shape))
+        self.states = np.zeros((len(self.local), *others.shape))
+        started = 1 + np.nonzero(others.any(axis=0))[0].max(initial=-1)
         for block, here in enumerate(self.local - self.n_passed):
-            self.states[block] = others
-            np.matmul(carried[block], self.states[block], out=others)
+            self.states[block, :, :started] = others[:, :started]
+            others[:, :started] = carried[block] @ others[:, :started]
             others[:, here] += added[block]
+            started = max(started, 1 + here[here < others.shape[1] - 1].max(initial=-1))
         if self.n_passed:
             through = np.eye(len(entry))
             self.from_entry = np.empty_like(self.rows)
