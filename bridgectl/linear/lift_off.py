@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE
 from bridgectl._units import to_kmh
 from bridgectl._warn import warn
 from bridgectl.linear.cells import (
@@ -22,6 +23,7 @@ from bridgectl.linear.cells import (
     GAUSS,
     N_STAGES,
     SAMPLES,
+    bridge_entry,
     build_cells,
     hold_responses,
     modal_forces,
@@ -94,17 +96,17 @@ class _Stretch:
         touching: NDArray[np.bool_],
     ) -> None:
         self.run, self.speed, self.nodes, self.touching = run, speed, nodes, touching
-        crossing = run.crossing
+        crossing, self.on_bridge = run.crossing, nodes[-1] > SAME_PLACE
         cells = build_cells(
-            crossing, np.array([speed]), nodes, on_bridge=True, contact=touching
+            crossing, np.array([speed]), nodes, on_bridge=self.on_bridge, contact=touching
         )
-        road = run.road(nodes)
+        road, size = run.road(nodes), cells.n_states
         states, stages = cells.propagate(
-            road_rows(road)[..., np.newaxis], state[np.newaxis, :, np.newaxis]
+            road_rows(road)[..., np.newaxis], state[np.newaxis, :size, np.newaxis]
         )
-        self.states, self.stages = states[0, :, :, 0], stages[0, :, :, 0].reshape(
-            len(nodes) - 1, 2, N_STAGES, -1
-        )
+        self.states = np.zeros((len(nodes), crossing.n_states))
+        self.states[:, :size] = states[0, ..., 0]
+        self.stages = stages[0].reshape(len(nodes) - 1, 2, N_STAGES, -1)
         self.effects = cells.inner_effects(states[:, :-1, :, 0], stages[..., 0])[0]
         self.would_be = _would_be(crossing, nodes, self.states, road)
 
@@ -171,15 +173,25 @@ class _Stretch:
                 *vehicle_matrices(vehicle, self.touching), duration, GAUSS, fractions
             )
         )  # fmt: skip
-        of_vehicle = free @ start[:n] + held.reshape(*free.shape[:2], -1) @ surface.ravel()
-        loads = modal_forces(crossing, np.array([x]), np.array([width]), forces[np.newaxis, np.newaxis])
+        places, states = x + fractions * width, np.zeros((len(fractions), crossing.n_states))
+        states[:, :n] = free @ start[:n] + held.reshape(*free.shape[:2], -1) @ surface.ravel()
+        if self.on_bridge:
+            states[:, n:] = self._modes_within(cell, fractions, duration)
+        return states, _would_be(crossing, places, states, self.run.road(places))
+
+    def _modes_within(
+        self, cell: int, fractions: FloatArray, duration: FloatArray
+    ) -> FloatArray:
+        """States of the modes at fractions of a cell."""
+        crossing, ends = self.run.crossing, self.nodes[cell : cell + 2]
+        forces = self.stages[np.newaxis, cell : cell + 1, 0]
+        loads = modal_forces(crossing, ends[:1], np.diff(ends), forces)[0, 0]
+        start = self.states[cell, crossing.n_vehicle :].reshape(-1, 1, 2, 1)
         free, held = (
             of[0, 0] for of in mode_responses(crossing.beam, duration, FORCE_POINTS, fractions)
         )
-        modes = free @ start[n:].reshape(-1, 1, 2, 1) + held @ loads[0, 0][:, np.newaxis, :, np.newaxis]
-        states = np.hstack([of_vehicle, modes[..., 0].swapaxes(0, 1).reshape(len(fractions), -1)])
-        places = x + fractions * width
-        return states, _would_be(crossing, places, states, self.run.road(places))
+        states = free @ start + held @ loads[:, np.newaxis, :, np.newaxis]
+        return states[..., 0].swapaxes(0, 1).reshape(len(fractions), -1)
 
 
 def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
@@ -202,7 +214,9 @@ def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
     touching, turned, count = np.ones(len(loads), dtype=bool), False, FEWEST_CELLS
     parts, x, state = [], nodes[0], np.zeros(run.crossing.n_states)
     while x < nodes[-1]:
-        ahead = nodes[np.searchsorted(nodes, x, side="right") :][:count]
+        first, entry = np.searchsorted(nodes, x, side="right"), bridge_entry(nodes)
+        # The modes are at rest before the bridge.
+        ahead = nodes[first : entry + 1 if first <= entry else None][:count]
         stretch = _Stretch(run, speed, np.append(x, ahead), state, touching)
         found = stretch.violation()
         if found is None:
@@ -211,8 +225,8 @@ def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
         else:
             cell, latest = found
             parts.append(stretch.part(cell))
-            first = GRAZING if turned and cell == 0 else EVENT_TOLERANCE
-            part, turning = stretch.cut(cell, stretch.event(cell, latest, first))
+            earliest = GRAZING if turned and cell == 0 else EVENT_TOLERANCE
+            part, turning = stretch.cut(cell, stretch.event(cell, latest, earliest))
             parts.append(part)
             touching = touching.copy()
             touching[turning] = not touching[turning]
