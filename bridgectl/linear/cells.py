@@ -399,24 +399,27 @@ def _solve_stages(
     """Stage values [R, u] from states and road rows: the system of the module's docstring."""
     n_tires, n = crossing.linear.n_tires, from_vehicle.shape[-1]
     stage, tire = np.divmod(np.arange(N_STAGES * n_tires), n_tires)
-    own = np.arange(len(stage))
-    road = np.zeros((*compliance.shape[:3], 2 * n_tires + 1))
-    road[:, :, own, tire] = 1.0
-    road[:, :, own, n_tires + 1 + tire] = GAUSS[stage]
-    loads = np.zeros(road.shape[2:])
-    loads[:, n_tires] = (contact * crossing.linear.static_loads)[tire]
+    own, size = np.arange(len(stage)), from_beam.shape[-1]
+    batch, count = compliance.shape[:2], len(stage)
+    # What the surface is without the tire forces, from modal states and road rows.
+    given = np.zeros((*batch, count, size + 2 * n_tires + 1))
+    given[..., :size] = from_beam
+    given[:, :, own, size + tire] = 1.0
+    given[:, :, own, size + n_tires + 1 + tire] = GAUSS[stage]
     flying = np.nonzero(~contact[tire])[0]
-    from_beam, compliance = from_beam.copy(), compliance.copy()
-    for rows in (from_beam, compliance, road):
-        rows[:, :, flying] = 0.0
-    road[:, :, flying, n_tires] = -crossing.linear.static_loads[tire[flying]]
-
-    right = [from_vehicle, spring @ from_beam, loads + spring @ road]
-    identity = np.eye(len(stage))
-    forces = np.linalg.solve(identity - spring @ compliance, np.concatenate(right, axis=-1))
-    surface = compliance @ forces
-    surface[..., n:] += np.concatenate([from_beam, road], axis=-1)
-    return np.concatenate([forces, surface], axis=2)
+    if flying.size:
+        compliance = compliance.copy()
+        compliance[:, :, flying] = given[:, :, flying] = 0.0
+        given[:, :, flying, size + n_tires] = -crossing.linear.static_loads[tire[flying]]
+    right = np.empty((*batch, count, n + given.shape[-1]))
+    right[..., :n], right[..., n:] = from_vehicle, spring @ given
+    right[..., n + size + n_tires] += (contact * crossing.linear.static_loads)[tire]
+    stages = np.empty((*batch, 2 * count, right.shape[-1]))
+    forces, surface = stages[:, :, :count], stages[:, :, count:]
+    forces[:] = np.linalg.solve(np.eye(count) - spring @ compliance, right)
+    np.matmul(compliance, forces, out=surface)
+    surface[..., n:] += given
+    return stages
 
 
 def hold_responses(
