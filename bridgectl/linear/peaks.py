@@ -26,21 +26,32 @@ class Ringing(NamedTuple):
     """What rings in cells faster than their samples tell: the real part of a e^(b s).
 
     With s the fraction of the cell; `amplitudes` a and `exponents` b have the shape
-    (n_cells, n_modes, n_histories).
+    (n_cells, n_modes, n_histories), or 1 for the last where all histories ring alike.
     """
 
     amplitudes: ComplexArray
     exponents: ComplexArray
 
-    def values(self, fractions: FloatArray) -> FloatArray:
-        """Values at fractions (m,) of the cells, (m, n_cells, n_histories)."""
-        waves = np.exp(np.multiply.outer(fractions, self.exponents))
-        return np.asarray((self.amplitudes * waves).real.sum(axis=2))
+    def values(
+        self, fractions: FloatArray, cells: NDArray[np.intp], histories: NDArray[np.intp]
+    ) -> FloatArray:
+        """Values at fractions (m,) of one cell of each of some histories (n,), shape (m, n)."""
+        if self.amplitudes.shape[-1] == 1:  # of few cells, then
+            cells, place = np.unique(cells, return_inverse=True)
+            histories = np.zeros_like(cells)
+        else:
+            place = np.arange(len(cells))
+        amplitudes, exponents = (of[cells, :, histories] for of in self)
+        waves = np.exp(np.multiply.outer(fractions, exponents))
+        return np.asarray((amplitudes * waves).real.sum(axis=-1)[:, place])
 
-    def of(self, cells: NDArray[np.intp], histories: NDArray[np.intp]) -> Ringing:
-        """Ringing in one cell of each of some histories, each on its own, (1, n_modes, n)."""
-        own = (of[cells, :, histories].T[np.newaxis] for of in self)
-        return Ringing(*own)
+    def swing(self) -> FloatArray:
+        """How far a history may rise above its samples by its ringing, (n_histories,)."""
+        return np.asarray(2 * np.abs(self.amplitudes).sum(axis=1).max(axis=0))
+
+    def shared(self, history: int, cells: slice) -> Ringing:
+        """Ringing of one history in some cells, for others that ring alike."""
+        return Ringing(*(of[cells, :, history, np.newaxis] for of in self))
 
 
 class Peaks(NamedTuple):
@@ -74,9 +85,7 @@ def find_peaks(histories: FloatArray, ringing: Ringing | None = None) -> Peaks:
         Arrays of shape (n_histories,).
     """
     # Within the margin of the largest sample another cell may hold the peak.
-    enough = histories.max(axis=0) - margins(histories)
-    if ringing is not None:
-        enough -= 2 * np.abs(ringing.amplitudes).sum(axis=1).max(axis=0)
+    enough = histories.max(axis=0) - _room(histories, ringing)
     # Few samples come near any history's peak: look for those of each history among them.
     high = np.nonzero(histories.max(axis=1) >= enough.min())[0]
     samples, columns = np.nonzero(histories[high] >= enough)
@@ -91,26 +100,27 @@ def find_peaks(histories: FloatArray, ringing: Ringing | None = None) -> Peaks:
     cells, columns = cells[inside], columns[inside]
 
     around = histories[_PER_CELL * cells + np.arange(_PER_CELL + 1)[:, np.newaxis], columns]
-    values, fractions = _peaks_of_cells(around, ringing and ringing.of(cells, columns))
+    values, fractions = _peaks_of_cells(around, ringing, cells, columns)
     order = np.lexsort((values, columns))
     best = order[np.searchsorted(columns[order], np.arange(histories.shape[1]), side="right") - 1]
     return Peaks(values[best], cells[best], fractions[best])
 
 
-def raise_peaks(best: FloatArray, histories: FloatArray) -> None:
+def raise_peaks(best: FloatArray, histories: FloatArray, ringing: Ringing | None = None) -> None:
     """Raise the largest values known of some histories by what a further stretch of them has.
 
     Parameters
     ----------
     best : ndarray, shape (n_histories,)
         Largest values so far, changed in place.
-    histories : ndarray, shape (6 n_cells + 1, n_histories)
-        As in `find_peaks`.
+    histories, ringing
+        As in `find_peaks`, of one ringing for all.
     """
-    columns = np.nonzero(histories.max(axis=0) + margins(histories) >= best)[0]
+    columns = np.nonzero(histories.max(axis=0) + _room(histories, ringing) >= best)[0]
     if columns.size:
-        every = columns.size == len(best)
-        higher = find_peaks(histories if every else histories[:, columns]).values
+        if columns.size < len(best):
+            histories = histories[:, columns]
+        higher = find_peaks(histories, ringing).values
         best[columns] = np.maximum(best[columns], higher)
 
 
@@ -130,16 +140,25 @@ def margins(histories: FloatArray) -> FloatArray:
     return np.asarray(np.abs(first - 2 * middle + last).max(axis=0) / 4)
 
 
+def _room(histories: FloatArray, ringing: Ringing | None) -> FloatArray:
+    """How far a history may rise above its samples with what rings in it, (n_histories,)."""
+    room = margins(histories)
+    return room if ringing is None else room + ringing.swing()
+
+
 def _peaks_of_cells(
-    samples: FloatArray, ringing: Ringing | None
+    samples: FloatArray,
+    ringing: Ringing | None,
+    cells: NDArray[np.intp],
+    columns: NDArray[np.intp],
 ) -> tuple[FloatArray, FloatArray]:
-    """Peak and its place in [0, 1] of cells given by their samples, shape (7, n)."""
+    """Peak and its place in [0, 1] of one cell (n,) of each history, with its samples (7, n)."""
     grid, fine = _FINE, _TO_FINE @ samples
     if ringing is not None:
         n_fine = max(len(_FINE), int(np.abs(ringing.exponents).max() / FINE_PHASE) + 2)
-        grid, beyond = np.linspace(0.0, 1.0, n_fine), samples - ringing.values(_KNOTS)[:, 0]
-        fine = np.vander(grid, len(_KNOTS)) @ (_TO_POLYNOMIAL @ beyond)
-        fine += ringing.values(grid)[:, 0]
+        grid, beyond = np.linspace(0.0, 1.0, n_fine), ringing.values(_KNOTS, cells, columns)
+        fine = np.vander(grid, len(_KNOTS)) @ (_TO_POLYNOMIAL @ (samples - beyond))
+        fine += ringing.values(grid, cells, columns)
     top, each = fine.argmax(axis=0), np.arange(samples.shape[1])
     inner = np.clip(top, 1, len(grid) - 2)
     before, at, after = (fine[inner + shift, each] for shift in (-1, 0, 1))

@@ -179,7 +179,7 @@ def _flying_peak(run: Run, speed: float) -> tuple[float, float | None]:
 
 def _reference_peak(run: Run, speed: float) -> tuple[float, float | None]:
     """The same by the reference route."""
-    nodes = run.nodes(speed)
+    nodes = run.fine_nodes(speed)
     positions = sample_positions(nodes)
     states, forces = simulate_reference(run, Motion(speed), positions)
     effect = run.crossing.values(positions, states.T, forces.T)

@@ -66,6 +66,12 @@ class Run(NamedTuple):
         """Nodes of the cells: see `cell_nodes`."""
         return cell_nodes(self.crossing, slowest, self.kinks(), refine)
 
+    def fine_nodes(self, slowest: float) -> FloatArray:
+        """Nodes of cells whose samples tell of every mode."""
+        highest = float(self.crossing.beam.omega.max())
+        longest = np.diff(self.nodes(slowest)).max() / slowest
+        return self.nodes(slowest, max(1, int(np.ceil(highest * longest / MAX_BEAM_PHASE - 0.01))))
+
     def road(self, x: FloatArray) -> FloatArray:
         """Road r under each tire for the reference tire at x, positive downward [m]."""
         tires = self.crossing.tire_positions(x)
@@ -157,20 +163,30 @@ def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
     return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
 
 
+def fast_modes(crossing: Crossing, nodes: FloatArray, slowest: float) -> NDArray[np.intp]:
+    """Modes that ring in the effect faster than the cells are sampled at the slowest speed."""
+    longest = np.diff(nodes).max() / slowest
+    of_beam = crossing.rows(0.0).per_state[crossing.n_vehicle :].reshape(-1, 2)
+    fast = (crossing.beam.omega * longest > MAX_BEAM_PHASE) & of_beam.any(axis=1)
+    return np.nonzero(fast)[0]
+
+
 def ringing(
-    crossing: Crossing, speeds: FloatArray, nodes: FloatArray, states: FloatArray, forces: FloatArray
-) -> Ringing | None:
+    crossing: Crossing, speeds: FloatArray, nodes: FloatArray, states: FloatArray,
+    forces: FloatArray, fast: NDArray[np.intp] | None = None,
+) -> Ringing | None:  # fmt: skip
     """What rings in the effect faster than the bridge's cells are sampled, if anything.
 
     Of states (S, C + 1, n) at the nodes and tire forces (S, C, q) at the stages.
     """
-    beam, n, (n_speeds, n_cells, q) = crossing.beam, crossing.n_vehicle, forces.shape
+    if fast is None:
+        fast = fast_modes(crossing, nodes, float(speeds.min()))
+    if not fast.size:
+        return None
+    beam, n, (n_speeds, n_cells, _) = crossing.beam, crossing.n_vehicle, forces.shape
     widths, kind = np.unique(np.round(np.diff(nodes), 10), return_inverse=True)
     durations = widths / speeds[:, np.newaxis]
-    fast = np.nonzero(beam.omega * durations.max() > MAX_BEAM_PHASE)[0]
     of_beam = crossing.rows(0.0).per_state[n:].reshape(-1, 2)[fast]
-    if not of_beam.any():
-        return None
     from_states, from_forces = (
         of[:, :, fast][:, kind] for of in modes.ringing(beam, durations, FORCE_POINTS)
     )

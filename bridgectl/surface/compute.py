@@ -127,7 +127,12 @@ def linear_surface(
         histories = factor_histories(run, speeds, grid.length, grid.n_ramps)
     else:
         histories = _simulate_ramps(run, grid.edges, speeds, grid.height, progress)
-    smooth = crossing.orientation * find_peaks(histories.smooth.T).values
+    smooth = crossing.orientation * np.array(
+        [
+            find_peaks(history[:, np.newaxis], histories.ringing(i)).values[0]
+            for i, history in enumerate(histories.smooth)
+        ]
+    )
     peaks = [[histories.peaks(i, h) for i in range(speeds.size)] for h in grid.heights]
     ramps = crossing.orientation * np.array(peaks)[..., :: grid.every]
     vehicle = crossing.linear
@@ -198,7 +203,7 @@ def _simulate_ramps(
 ) -> DenseHistories:
     """Histories of one control-library simulation for each ramp and speed."""
     n_ramps = len(edges) - 1
-    nodes = run.nodes(float(speeds.min()))
+    nodes = run.fine_nodes(float(speeds.min()))
     nodes = nodes[bridge_entry(nodes) :]
     positions = sample_positions(nodes)
     moments = np.empty((len(speeds), n_ramps + 1, len(positions)))

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
-from bridgectl.linear.peaks import margins, raise_peaks, whole_cells
+from bridgectl.linear.cells import SAMPLES
+from bridgectl.linear.peaks import Ringing, margins, raise_peaks, whole_cells
 
 ALL = slice(None)
 
@@ -42,6 +43,9 @@ class FactoredHistories:
     rows, direct : ndarray, shapes (S, B, T + 1, n) and (S, B, T + 1, L)
         Normalized moment at the samples of a block, likewise; the last sample is the first of
         the next block.
+    rings : Ringing or None
+        What rings on a smooth road faster than samples tell, in each cell at each speed. What ramps
+        add to it is left out: it is so much less as their effect is than the load's.
     """
 
     nodes: FloatArray
@@ -52,6 +56,11 @@ class FactoredHistories:
     added: FloatArray
     rows: FloatArray
     direct: FloatArray
+    rings: Ringing | None = None
+
+    def ringing(self, speed: int, cells: slice = ALL) -> Ringing | None:
+        """See `bridgectl.surface.histories.Histories.ringing`, in some cells."""
+        return self.rings and self.rings.shared(speed, cells)
 
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
         """See `bridgectl.surface.histories.Histories.moments`."""
@@ -75,6 +84,8 @@ class FactoredHistories:
         # Between samples a moment rises above them by its margin, to which a ramp adds as much as
         # its reach.
         room = margins(smooth[:, np.newaxis])[0] + 2 * ramps.reach()
+        if self.rings is not None:
+            room += self.rings.swing()[speed]
         starts = np.arange(0, len(smooth) - 1, per_block)
         tops = np.maximum.reduceat(smooth, starts)
         tops[:-1] = np.maximum(tops[:-1], smooth[starts[1:]])
@@ -86,7 +97,9 @@ class FactoredHistories:
                 cells = slice(*whole_cells(high[0], high[-1], len(samples)))
                 moment = ramps.block(block, cells)
                 moment += samples[cells, np.newaxis]
-                raise_peaks(best, moment)
+                first = (block * per_block + cells.start) // len(SAMPLES)
+                within = slice(first, first + len(moment) // len(SAMPLES))
+                raise_peaks(best, moment, self.ringing(speed, within))
         return best
 
     def _of_roads(self, speed: int, drops: FloatArray) -> Iterator[FloatArray]:
