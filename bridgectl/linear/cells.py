@@ -94,21 +94,9 @@ class Cells:
         return self.free.shape[-1]
 
     def propagate(self, road: FloatArray, initial: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Run through the cells.
+        """Return states at the nodes, (S, C + 1, n, R), and stage values [R, u], (S, C, 2 q, R).
 
-        Parameters
-        ----------
-        road : ndarray, shape (C, 2 n_tires + 1, R)
-            Road rows of each cell.
-        initial : ndarray, shape (S, n, R)
-            States at the first node.
-
-        Returns
-        -------
-        states : ndarray, shape (S, C + 1, n, R)
-            States at the nodes.
-        stages : ndarray, shape (S, C, 2 q, R)
-            Stage values [R, u].
+        From road rows of the cells, (C, 2 n_tires + 1, R), and states at the first, (S, n, R).
         """
         n_cells = len(self.kind)
         states = np.empty((len(initial), n_cells + 1, *initial.shape[1:]))
@@ -137,16 +125,9 @@ class Cells:
         return from_states, from_road
 
     def inner_effects(self, states: FloatArray, stages: FloatArray) -> FloatArray:
-        """Effect at the samples after the start of all cells of one road.
+        """Effect at the samples after the start of all cells of one road, shape (S, C, N_INNER).
 
-        Parameters
-        ----------
-        states, stages : ndarray, shapes (S, C, n) and (S, C, 2 q)
-            States at the starts and stage values [R, u].
-
-        Returns
-        -------
-        ndarray, shape (S, C, N_INNER)
+        From the states at the starts, (S, C, n), and the stage values [R, u], (S, C, 2 q).
         """
         values = np.einsum("scmi,sci->scm", self.effect_from_states[:, self.kind], states)
         values += np.einsum("scmq,scq->scm", self.effect_from_stages[:, self.map_of], stages)
@@ -339,25 +320,11 @@ def hold_responses(
     stages: FloatArray = GAUSS,
     points: FloatArray = _POINTS,
 ) -> tuple[FloatArray, FloatArray]:
-    """Responses of x' = A x + B u at points of cells, exactly.
+    """Responses of x' = A x + B u at points of cells, exactly, to states and inputs.
 
-    Parameters
-    ----------
-    matrix, inputs : ndarray, shapes (..., n, n) and (..., n, m)
-        A and B.
-    durations : ndarray, shape (S, U)
-        Durations of the cells [s].
-    stages : ndarray, shape (q,)
-        Where the values of u are given, as fractions of a cell: it is the polynomial through them.
-    points : ndarray, shape (p,)
-        Where the states are asked for, likewise.
-
-    Returns
-    -------
-    free : ndarray, shape (S, U, ..., p, n, n)
-        Response to the states at the start.
-    held : ndarray, shape (S, U, ..., p, n, q, m)
-        Response to the values of u.
+    A and B have the shapes (..., n, n) and (..., n, m), the durations of the cells [s] (S, U). The
+    input is the polynomial through its values at the q `stages`; the states are asked for at the p
+    `points`, both fractions of a cell: (S, U, ..., p, n, n) and (S, U, ..., p, n, q, m).
     """
     n, m = inputs.shape[-2:]
     batch, n_stages = matrix.shape[:-2], len(stages)

@@ -110,20 +110,9 @@ class _Stepper:
 
 
 def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
-    """Simulate a crossing with its tires kept from pulling, R >= 0.
+    """Simulate a crossing at a speed [m/s] with its tires kept from pulling, R >= 0.
 
-    Parameters
-    ----------
-    run : Run
-        The crossing; its vehicle starts in equilibrium on a level road.
-    speed : float
-        Speed [m/s].
-    nodes : ndarray
-        Nodes of the cells [m], the kinks among them.
-
-    Returns
-    -------
-    Flight
+    Its vehicle starts in equilibrium on a level road. The nodes of the cells [m] hold all kinks.
     """
     crossing, stepper = run.crossing, _Stepper(run, speed, nodes)
     slack = LIFT_OFF * crossing.linear.static_loads

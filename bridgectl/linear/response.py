@@ -36,22 +36,9 @@ METHODS = ("propagator", "control")
 def linear_response(
     run: Run, motion: Motion, asked: FloatArray | None, method: str
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return places, states and tire forces of one crossing, at places [m] or where cells end.
+    """Return places, states and tire forces [N] of one crossing, at places [m] or where cells end.
 
-    Parameters
-    ----------
-    run : Run
-        The crossing and its road.
-    motion : Motion
-        How it comes to a place; by the propagator at constant speed.
-    asked : ndarray, shape (m,), or None
-        Places of the reference tire [m].
-    method : {'propagator', 'control'}
-        Which route.
-
-    Returns
-    -------
-    positions, states, forces : ndarray, shapes (m,), (n, m) and (n_tires, m)
+    Of shapes (m,), (n, m) and (n_tires, m). The propagator takes motions of constant speed alone.
     """
     crossing, speed = run.crossing, np.array([motion.speed])
     tail = (run.end - crossing.exit) / motion.speed
@@ -127,19 +114,7 @@ def as_response(
 def linear_dafs(
     run: Run, speeds: FloatArray, method: str = "propagator", progress: bool = True
 ) -> FloatArray:
-    """Return the peak of the effect over its static peak, if it has one, shape (n_speeds,).
-
-    Parameters
-    ----------
-    run : Run
-        The crossing and its road.
-    speeds : ndarray, shape (n_speeds,)
-        Speeds [m/s].
-    method : {'propagator', 'control'}
-        Which route.
-    progress : bool, optional
-        Whether a progress bar shows on a terminal.
-    """
+    """Return the peak of the effect over its static peak, if it has one, at speeds [m/s]."""
     crossing = run.crossing
     require_crossing(run, speeds)
     result = np.empty(speeds.size)

@@ -39,18 +39,10 @@ at most without damping, and the bridge adds little."""
 
 @dataclass(frozen=True)
 class RampGrid:
-    """Where unit ramps lie, and how high they are.
+    """Where unit ramps lie, and how high they are [m].
 
-    Attributes
-    ----------
-    approach, length, height : float
-        Road before the bridge, length and height of a ramp [m].
-    n_ramps : int
-        Number of ramps over approach and bridge.
-    both_ways : bool
-        Whether there are rises beside the drops.
-    every : int
-        Ramps are taken at each so many-th place.
+    They begin at `n_ramps` places over approach and bridge, and at each `every`-th one of them are
+    simulated: drops, and rises beside them if `both_ways`.
     """
 
     approach: float

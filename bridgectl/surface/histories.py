@@ -43,19 +43,11 @@ class Histories(Protocol):
         ...
 
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
-        """Normalized moment beyond the smooth road's at one speed, at the samples.
+        """Normalized moment beyond the smooth road's at one speed, by its index, at the samples.
 
-        Parameters
-        ----------
-        speed : int
-            Index of the speed.
-        drops : ndarray, shape (n_ramps, n_roads), or float
-            Height of every ramp of each road, positive for a drop [m]. One number: each ramp
-            on its own, that high.
-
-        Returns
-        -------
-        ndarray, shape (n_samples, n_roads) or (n_samples, n_ramps)
+        Drops [m], the heights of every ramp of each road, have the shape (n_ramps, n_roads), what
+        is returned (n_samples, n_roads). With one number each ramp is on its own, that high:
+        (n_samples, n_ramps).
         """
         ...
 

@@ -71,18 +71,10 @@ NOTHING = np.zeros((1, 0, 1))
 
 
 class BatchLaw:
-    """The command of a strategy for arrays of signals, one row a speed: a `Controller`.
+    """The command of a strategy for arrays of signals, one row a speed [m/s]: a `Controller`.
 
-    Parameters
-    ----------
-    strategy : Strategy
-        The strategy.
-    speeds : sequence of float
-        Speed of each row [m/s]; see `Strategy.for_speed`.
-    gains : mapping, optional
-        Gains that differ between cases, by name, shape (speeds, roads); see `Strategy.gains_for`.
-    sample_time : float, optional
-        Time between samples [s].
+    `gains` are those that differ between cases, by name, shape (speeds, roads); `sample_time` is
+    the time between samples [s]. See `Strategy.for_speed` and `Strategy.gains_for`.
     """
 
     def __init__(
@@ -113,12 +105,7 @@ class BatchLaw:
     def foresee(self, positions: FloatArray, speeds: FloatArray) -> None:
         """Evaluate ahead of all samples what depends on place and speed alone.
 
-        Parameters
-        ----------
-        positions : ndarray, shape (speeds, samples)
-            Where each speed is at each sample [m].
-        speeds : ndarray, shape (speeds,)
-            Speeds [m/s].
+        Positions [m] have the shape (speeds, samples), speeds [m/s] the shape (speeds,).
         """
         self._know({"position": positions, "speed": speeds[:, np.newaxis]})
 
@@ -150,27 +137,11 @@ class BatchLaw:
         ahead: FloatArray = NOTHING,
         sample: int = 0,
     ) -> tuple[FloatArray, FloatArray]:
-        """Return the command [N s/m], and the next states.
+        """Return the command [N s/m], of the shape that signals broadcast to, and the next states.
 
-        Parameters
-        ----------
-        signals : mapping
-            Arrays by name, of shapes that broadcast together; the laws of several speeds take
-            the first so many rows.
-        memory, ahead : ndarray, shapes (speeds, states, roads) and (speeds, distances, roads)
-            The states, and what is seen ahead [m]: see `Controller`.
-        sample : int, optional
-            Which of the samples it is that were foreseen.
-
-        Returns
-        -------
-        tuple of ndarray
-            Of the shape that the signals broadcast to; and as `memory`.
-
-        Raises
-        ------
-        ValueError
-            If the law, or the update of its states, returns NaN or infinity.
+        Of several speeds, the laws take the first so many rows. Of shape (speeds, states, roads)
+        and (speeds, distances, roads) are the states `memory`, and what is seen `ahead` [m];
+        `sample` is one of those foreseen. A law or update that is NaN or infinity is a ValueError.
         """
         shape = np.broadcast_shapes(*(np.shape(value) for value in signals.values()))
         inputs = signals, self._gains(shape), memory, ahead
