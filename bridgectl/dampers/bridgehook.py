@@ -61,7 +61,7 @@ class Bridgehook(Strategy):
     >>> from bridgectl.dampers import bridgehook
     >>> bridgehook(bc.li2006.beam(), bc.li2006.car(), 1e3, 30e3)
     Bridgehook('bridgehook', c from 1000 to 30000 N s/m, for a bridge of 25 m, feedback=True, \
-    lag=0 s)
+lag=0 s)
     """
 
     def __init__(

@@ -31,7 +31,6 @@ from bridgectl.surface.tire_contact import TireContact
 RAMP_LENGTH, RAMP_HEIGHT = 0.1, 1e-3
 """The unit ramp of the paper [m]: a drop of 1 mm over 100 mm."""
 
-
 LIFTING = 3.0
 """No ramp changes the tire force by more than this times stiffness and height: a sudden step by 2
 at most without damping, and the bridge adds little."""

@@ -31,16 +31,13 @@ class Histories(Protocol):
     @property
     def nodes(self) -> FloatArray:
         """Positions of the reference tire at the ends of the cells on the bridge [m]."""
-        ...
 
     @property
     def smooth(self) -> FloatArray:
         """Normalized moment on a smooth road at the samples, shape (n_speeds, n_samples)."""
-        ...
 
     def peaks(self, speed: int, drops: float) -> FloatArray:
         """Peak moment with each ramp on its own, so high [m], at one speed, shape (n_ramps,)."""
-        ...
 
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
         """Normalized moment beyond the smooth road's at one speed, by its index, at the samples.
@@ -49,7 +46,6 @@ class Histories(Protocol):
         is returned (n_samples, n_roads). With one number each ramp is on its own, that high:
         (n_samples, n_ramps).
         """
-        ...
 
 
 def superposed(histories: Histories, speed: int, drops: FloatArray | float) -> FloatArray:
