@@ -145,10 +145,7 @@ def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
             forces.append(force)
     last = _effect(crossing, nodes[-1], state, force)
     return Flight(
-        np.array(places),
-        np.array(states).T,
-        np.array(forces).T,
-        np.append(np.ravel(effects), last),
+        np.array(places), np.array(states).T, np.array(forces).T, np.append(np.ravel(effects), last)
     )
 
 

@@ -118,11 +118,7 @@ def over_roads(values: FloatArray, statistic: str = "mean") -> FloatArray:
     return np.asarray(values.std(axis=1, ddof=1).mean(axis=1))
 
 
-def agreement(
-    estimate: FloatArray,
-    simulated: FloatArray,
-    statistic: str = "mean",
-) -> Agreement:
+def agreement(estimate: FloatArray, simulated: FloatArray, statistic: str = "mean") -> Agreement:
     """Compare the order of strategies by an estimate with that by simulation.
 
     `simulated` has shape (n_strategies, n_roads, n_speeds), and so has `estimate`, or

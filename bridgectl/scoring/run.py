@@ -32,12 +32,7 @@ from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
 from bridgectl.scoring.board import Scoreboard
-from bridgectl.scoring.classes import (
-    class_part,
-    class_shapes,
-    class_surface,
-    n_class_ramps,
-)
+from bridgectl.scoring.classes import class_part, class_shapes, class_surface, n_class_ramps
 from bridgectl.scoring.file import Part, Parts, Shapes
 from bridgectl.scoring.rows import MEASURES
 from bridgectl.scoring.study import (

@@ -159,11 +159,7 @@ class BatchLaw:
             return c, numbers(f"update of {self.name}", np.stack(after, axis=1))
 
     def _together(
-        self,
-        steps: list[_Step],
-        inputs: _Inputs,
-        shape: tuple[int, ...],
-        sample: int,
+        self, steps: list[_Step], inputs: _Inputs, shape: tuple[int, ...], sample: int
     ) -> list[FloatArray]:
         """Step after step, each for all cases."""
         values: dict[int, Any] = {}
