@@ -48,8 +48,8 @@ class Preset(Strategy):
         """Return the damping of the smallest DAF of each crossing [N s/m], by superposition."""
         vehicle = bare_vehicle(crossing.vehicle)
         cars = [replace(vehicle, damping=float(c)) for c in self.dampings]
-        with warnings.catch_warnings():  # of the one that is taken its crossing tells
-            warnings.simplefilter("ignore", LiftOffWarning)
+        # Of the one that is taken its crossing tells.
+        with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
             dafs = [_dafs(crossing, car, speeds, stations, elevations) for car in cars]
         best = np.argmin(crossing.orientation * np.array(dafs), axis=0)
         return {"damping": self.dampings[best].T}

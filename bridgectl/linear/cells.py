@@ -55,38 +55,28 @@ class Cells:
     quantity, N_INNER samples after a cell's start, and R roads simulated side by side. The road
     of a cell comes as the rows [r at its start, 1 for the static loads, rise of r in it],
     2 n_tires + 1 in all.
-
-    Attributes
-    ----------
-    nodes : ndarray, shape (C + 1,)
-        Positions of the reference tire at the ends of the cells [m].
-    kind, map_of : ndarray of int, shape (C,)
-        Kind and map of each cell.
-    free : ndarray, shape (S, U, points, n, n)
-        States at the stages, the end and points between, from the states at the start, with no
-        input.
-    inputs : ndarray, shape (S, M, n, 2 q)
-        States at the end, from the stage values [R, u].
-    from_states, from_road : ndarray, shapes (S, M, 2 q, n) and (S, M, 2 q, 2 n_tires + 1)
-        Stage values [R, u] of tire forces [N] and surface under the tires [m].
-    effect_from_states : ndarray, shape (S, U, N_INNER, n)
-        The crossing's effect at the samples after the start, from the states at the start.
-    effect_from_stages : ndarray, shape (S, M, N_INNER, 2 q)
-        The same, from the stage values [R, u].
-    effect_constant : float
-        What is always added to it.
     """
 
     nodes: FloatArray
+    """Positions of the reference tire at the ends of the cells [m], (C + 1,)."""
     kind: NDArray[np.intp]
+    """Kind of each cell, (C,)."""
     map_of: NDArray[np.intp]
+    """Map of each cell, (C,)."""
     free: FloatArray
+    """States at `_POINTS` from those at the start, with no input, (S, U, points, n, n)."""
     inputs: FloatArray
+    """States at the end from the stage values [R, u], (S, M, n, 2 q)."""
     from_states: FloatArray
+    """Stage values [R, u], tire forces [N] and surface [m], from states, (S, M, 2 q, n)."""
     from_road: FloatArray
+    """The same from the road rows, (S, M, 2 q, 2 n_tires + 1)."""
     effect_from_states: FloatArray
+    """Effect at the samples after the start from the states there, (S, U, N_INNER, n)."""
     effect_from_stages: FloatArray
+    """The same from the stage values [R, u], (S, M, N_INNER, 2 q)."""
     effect_constant: float
+    """What is always added to it."""
 
     @property
     def n_states(self) -> int:

@@ -33,16 +33,10 @@ class LiftOffWarning(UserWarning):
 
 
 class Flight(NamedTuple):
-    """A crossing with tires kept from pulling, its nodes with the events among them.
+    """A crossing with tires kept from pulling, its nodes [m] (m,) with the events among them.
 
-    Attributes
-    ----------
-    nodes : ndarray, shape (m,)
-        Positions of the reference tire [m].
-    states, forces : ndarray, shapes (n, m) and (n_tires, m)
-        States and tire forces [N] at the nodes.
-    effects : ndarray, shape (6 (m - 1) + 1,)
-        The crossing's effect at `bridgectl.linear.cells.sample_positions` of the nodes.
+    States (n, m) and tire forces [N] (n_tires, m) are those at the nodes, the crossing's effect
+    (6 (m - 1) + 1,) that at `bridgectl.linear.cells.sample_positions` of them.
     """
 
     nodes: FloatArray

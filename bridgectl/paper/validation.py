@@ -279,8 +279,7 @@ def _warning_light(speeds: FloatArray, n_roads: int, progress: bool) -> WarningL
     parts = np.array_split(roads, max(1, n_roads // PART))
     for part in track(parts, "Random roads", len(parts), show=progress):
         trust = dae_trust(surface, part)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", LiftOffWarning)
+        with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
             error = np.abs(surface.dae(part) - surface.superposed_daf(part))
         large, lit = error > TOLERANCE, ~trust.trusted
         counts += [large.size, large.sum(), lit.sum(), (large & lit).sum()]
@@ -289,15 +288,14 @@ def _warning_light(speeds: FloatArray, n_roads: int, progress: bool) -> WarningL
 
 def _cases(surface: RampSurface, roads: Sequence[RoadProfile]) -> Iterator[Case]:
     """Every road on one bridge; the superposed histories of all in one product."""
-    with warnings.catch_warnings():  # the simulations tell of tires that leave the road
-        warnings.simplefilter("ignore", LiftOffWarning)
+    # The simulations tell of tires that leave the road.
+    with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
         superposed = surface.superposed_daf(roads)
     for number, road in enumerate(roads, 1):
         exact, (simulated, flew) = superposed[number - 1], _simulated(surface, road)
         flying, place = np.zeros(len(surface.speeds), dtype=bool), None
         if flew:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", LiftOffWarning)
+            with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
                 flying, place = _flights(surface, road)
         yield Case(
             surface.beam.length, surface.approach, number, surface.speeds, surface.daf_smooth,
@@ -307,8 +305,7 @@ def _cases(surface: RampSurface, roads: Sequence[RoadProfile]) -> Iterator[Case]
 
 def _simulated(surface: RampSurface, road: RoadProfile) -> tuple[FloatArray, bool]:
     """Simulated DAF, and whether a tire leaves the road at any speed."""
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always", LiftOffWarning)
+    with warnings.catch_warnings(record=True, action="always", category=LiftOffWarning) as told:
         values = daf(surface.beam, surface.vehicle, surface.speeds, road, start=-surface.approach)
     return values, any(issubclass(warning.category, LiftOffWarning) for warning in told)
 

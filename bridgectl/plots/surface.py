@@ -138,10 +138,8 @@ def effects_figure(
     >>> [axes.get_ylabel() for axes in effects_figure(surface).axes]
     ['change of the DAF [-]', 'change of the DAF [-]']
     """
-    values, label = (
-        [surface.odd_effect, surface.even_effect],
-        "change of the {} [{}]".format(*surface.quantity),
-    )
+    values = [surface.odd_effect, surface.even_effect]
+    label = "change of the {} [{}]".format(*surface.quantity)
     if road is not None:
         scales = surface.ramps(road)
         values = [np.cumsum(part, axis=1) for part in (values[0] * scales, values[1] * scales**2)]

@@ -141,8 +141,7 @@ def _fly(run: Run, speeds: FloatArray, grid: RampGrid, ramps: FloatArray, progre
         ramp = place * grid.every
         where = doubtful[k, :, ramp]
         road = RoadProfile(grid.edges, one_ramp(grid.edges, ramp, grid.heights[k]))
-        with warnings.catch_warnings(record=True) as told:
-            warnings.simplefilter("always", LiftOffWarning)
+        with warnings.catch_warnings(record=True, action="always", category=LiftOffWarning) as told:
             found = linear_dafs(run._replace(profile=road), speeds[where], progress=False)
         ramps[k, where, place] = found
         flights += len(told)

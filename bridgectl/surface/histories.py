@@ -274,14 +274,8 @@ def _factor_blocks(
     for rows, end in zip(effects.swapaxes(0, 1), ends.swapaxes(0, 1), strict=True):
         smooth.append(rows[..., loads] + np.einsum("sti,si->st", rows[..., carried], now))
         now = np.einsum("sij,sj->si", end[..., carried], now) + end[..., loads]
-    return (
-        np.stack(smooth, axis=1),
-        entry,
-        ends[..., carried],
-        ends[..., ramps],
-        effects[..., carried],
-        effects[..., ramps],
-    )
+    maps = [part[..., columns] for part in (ends, effects) for columns in (carried, ramps)]
+    return np.stack(smooth, axis=1), entry, *maps
 
 
 def _block_road_rows(rises: FloatArray, n_states: int) -> FloatArray:
