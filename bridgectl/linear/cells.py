@@ -180,14 +180,10 @@ def build_cells(
     q = N_STAGES * vehicle.n_tires  # tires innermost
     shapes = shapes.reshape(len(positions), q, n_modes)
     per_force = _modal_gains(held_modes[:, kind_of_map], shapes)
-    from_vehicle, spring = _vehicle_stages(crossing, free_vehicle, held_vehicle, contact)
-    from_states, from_road = _solve_stages(
-        crossing,
-        contact,
-        from_vehicle[:, kind_of_map],
-        spring[:, kind_of_map],
-        *_beam_stages(free_modes[:, kind_of_map], per_force, shapes),
-    )
+    vehicle_stages = _vehicle_stages(crossing, free_vehicle, held_vehicle, contact)
+    from_vehicle, spring = (of[:, kind_of_map] for of in vehicle_stages)
+    beam_stages = _beam_stages(free_modes[:, kind_of_map], per_force, shapes)
+    from_states, from_road = _solve_stages(crossing, contact, from_vehicle, spring, *beam_stages)
 
     batch = per_force.shape[:2]
     of_vehicle, of_beam = slice(n), slice(n, n + 2 * n_modes)

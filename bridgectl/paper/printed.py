@@ -54,19 +54,14 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PaperResults:
-    """The results of the paper, computed; made by `paper_results`.
-
-    Attributes
-    ----------
-    rows : tuple of Row
-        Every printed number beside the computed one.
-    unit, tall : RampSurface
-        Surfaces of the 1 mm ramp (Fig. 5) and of the 10 mm ramp (Fig. 6).
-    """
+    """The results of the paper, computed; made by `paper_results`."""
 
     rows: tuple[Row, ...]
+    """Every printed number beside the computed one."""
     unit: RampSurface
+    """Surface of the 1 mm ramp (Fig. 5)."""
     tall: RampSurface
+    """Surface of the 10 mm ramp (Fig. 6)."""
 
     def __repr__(self) -> str:
         return (
