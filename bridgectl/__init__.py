@@ -47,11 +47,21 @@ if TYPE_CHECKING:
     from bridgectl.linear.lift_off import LiftOffWarning
     from bridgectl.linear.prediction import prediction_matrices
     from bridgectl.model.beam import Beam
+    from bridgectl.model.bridge_effects import (
+        BridgeAcceleration,
+        Deflection,
+        Moment,
+        Reaction,
+        Shear,
+        Stress,
+    )
     from bridgectl.model.crossing import Crossing, crossing_system
-    from bridgectl.model.effects import BodyAcceleration, Deflection, Moment, TireForce
+    from bridgectl.model.modal import ModalBridge
     from bridgectl.model.motion import Motion
     from bridgectl.model.quarter_car import QuarterCar, convoy
+    from bridgectl.model.spans import Bridge
     from bridgectl.model.vehicle import Vehicle
+    from bridgectl.model.vehicle_effects import BodyAcceleration, TireForce
     from bridgectl.paper import li2006
     from bridgectl.road import (
         ProfileFileError,
@@ -75,17 +85,23 @@ if TYPE_CHECKING:
 __all__ = [
     "Beam",
     "BodyAcceleration",
+    "Bridge",
+    "BridgeAcceleration",
     "Crossing",
     "Deflection",
     "LiftOffWarning",
+    "ModalBridge",
     "Moment",
     "Motion",
     "PlausibilityWarning",
     "ProfileFileError",
     "QuarterCar",
     "RampSurface",
+    "Reaction",
     "RoadProfile",
     "Scoreboard",
+    "Shear",
+    "Stress",
     "SurfaceFileError",
     "TireForce",
     "Vehicle",
@@ -127,10 +143,15 @@ _HOMES = {
     "linear.prediction": ("prediction_matrices",),
     "model.beam": ("Beam",),
     "model.crossing": ("Crossing", "crossing_system"),
-    "model.effects": ("BodyAcceleration", "Deflection", "Moment", "TireForce"),
+    "model.bridge_effects": (
+        "BridgeAcceleration", "Deflection", "Moment", "Reaction", "Shear", "Stress",
+    ),
+    "model.modal": ("ModalBridge",),
     "model.motion": ("Motion",),
     "model.quarter_car": ("QuarterCar", "convoy"),
+    "model.spans": ("Bridge",),
     "model.vehicle": ("Vehicle",),
+    "model.vehicle_effects": ("BodyAcceleration", "TireForce"),
     "road": (
         "ProfileFileError", "RoadProfile", "iso8608_profile", "read_profile", "read_tracks",
         "utia_road", "write_profile",

@@ -336,7 +336,8 @@ def _vehicle_doubts(vehicle: Vehicle) -> Iterator[str]:
 
 def _load_doubts(crossing: Crossing) -> Iterator[str]:
     vehicle, beam = crossing.linear, crossing.beam
-    if not hasattr(beam, "flexural_rigidity"):  # no beam, of which less is known
+    known = [getattr(beam, name, None) for name in ("flexural_rigidity", "mass_per_length")]
+    if not all(isinstance(value, float) for value in known):  # of others less is known
         return
     if vehicle.mass > beam.mass and next(_beam_doubts(beam), None) is None:
         yield (

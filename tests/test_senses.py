@@ -70,7 +70,7 @@ def test_a_response_is_read_where_the_effect_is(bridge, truck, road):
         ({"effect": bc.TireForce(2)}, "tire must be one of the 1 tires, got 2"),
         ({"effect": bc.BodyAcceleration(3)}, "coordinate must be 1 for y_s, 2 for y_t, got 3"),
         ({"effect": "acceleration"}, r"static acceleration of .* is 0 m/s\^2: type peak_effect"),
-        ({"effect": bc.Moment(0.0)}, r"largest static bending moment .* is 0 N m: type peak_eff"),
+        ({"effect": bc.Moment(0.0)}, "section must lie between 0 and 1"),
         ({"effect": bc.Moment(sense="smallest")}, "smallest static bending moment .* is 0 N m"),
     ],
 )

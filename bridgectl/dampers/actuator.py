@@ -13,9 +13,9 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_damper
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.crossing import Crossing
-from bridgectl.model.effects import BodyAcceleration
 from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 from bridgectl.model.vehicle import Vehicle
+from bridgectl.model.vehicle_effects import BodyAcceleration
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ def kink_positions(
     There a tire meets one of the `stations` (the road's ramps), enters, leaves, or passes the
     section.
     """
-    places = np.concatenate([stations, crossing.beam.kinks(crossing.section)])
+    places = np.concatenate([stations, crossing.kinks])
     kinks = np.add.outer(places, crossing.linear.tire_offsets).ravel()
     inside = (kinks > start + SAME_PLACE) & (kinks < end - SAME_PLACE)
     return merge_places(np.concatenate([[start], kinks[inside], [end]]))

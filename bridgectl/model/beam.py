@@ -83,7 +83,7 @@ class Beam:
                 "flexural_rigidity", self.flexural_rigidity, unit="N m^2"
             ),
             "n_modes": _checks.integer("n_modes", self.n_modes, at_least=1),
-            "damping_ratio": _checked_damping(self.damping_ratio, self.n_modes),
+            "damping_ratio": checked_damping(self.damping_ratio, self.n_modes),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -167,32 +167,47 @@ class Beam:
         on_bridge = np.minimum(np.maximum(position, 0.0), self.length)
         return np.asarray(np.sin(self.wavenumbers * on_bridge))
 
-    def influence_line(self, x: ArrayLike, section: float = 0.5) -> FloatArray:
-        """Static bending moment at a section under a unit force at x [m], zero off the bridge.
+    def influence_line(
+        self, x: ArrayLike, section: float = 0.5, quantity: str = "moment"
+    ) -> FloatArray:
+        """Static effect at a section of a unit force at x [m], zero off the bridge.
 
         Parameters
         ----------
         x : array_like
             Positions of the force [m], any shape.
         section : float, optional
-            The section, as a fraction of the span.
+            The section, as a fraction of the span; of a reaction 0 or 1.
+        quantity : {'moment', 'shear', 'deflection', 'reaction'}, optional
+            Bending moment, shear (its derivative along the bridge; a force at the section is just
+            beyond it), deflection downward, or force of a support on the bridge, upward.
 
         Returns
         -------
         ndarray
-            Moment per force [N m / N], the shape of `x`.
+            Effect per force [N m / N], [m / N] or dimensionless, the shape of `x`.
 
         Raises
         ------
         TypeError, ValueError
-            If `section` is not a fraction from 0 to 1, or positions are masked.
+            If `section` is not a fraction from 0 to 1, `quantity` is none of these, or positions
+            are masked.
         """
         _checks.refuse_masked("x", x)
-        position = np.asarray(x, dtype=np.float64)
-        at = _checks.fraction("section", section) * self.length
-        rising = position * (1 - at / self.length)
-        falling = at * (1 - position / self.length)
-        return np.maximum(np.minimum(rising, falling), 0.0)
+        position, length = np.asarray(x, dtype=np.float64), self.length
+        at = self._section(section, quantity) * length
+        rising = position * (1 - at / length)
+        falling = at * (1 - position / length)
+        if quantity == "moment":
+            return np.maximum(np.minimum(rising, falling), 0.0)
+        inside = (position >= 0) & (position <= length)
+        if quantity == "deflection":
+            near, far = np.minimum(position, at), length - np.maximum(position, at)
+            bending = near * far * (length**2 - near**2 - far**2)
+            return np.where(inside, bending / (6 * self.flexural_rigidity * length), 0.0)
+        before = (position < at) | (at == length)
+        shear = np.where(before, 0.0, 1.0) - position / length
+        return np.where(inside, -shear if quantity == "reaction" and at else shear, 0.0)
 
     def modal_moments(self, section: float = 0.5) -> FloatArray:
         """Bending moment at a section per modal coordinate, E J (j pi / l)^2 sin(j pi s) [N].
@@ -212,8 +227,46 @@ class Beam:
         TypeError, ValueError
             If `section` is not a fraction from 0 to 1.
         """
-        shape = self.mode_shapes(_checks.fraction("section", section) * self.length)
-        return np.asarray(self.flexural_rigidity * self.wavenumbers**2 * shape)
+        return self.modal_effects(section)
+
+    def modal_effects(self, section: float = 0.5, quantity: str = "moment") -> FloatArray:
+        """Effect at a section per modal coordinate: of a moment E J (j pi / l)^2 sin(j pi s).
+
+        Parameters
+        ----------
+        section, quantity
+            See `influence_line`.
+
+        Returns
+        -------
+        ndarray, shape (n_modes,)
+            Moment [N m / m], shear or reaction [N/m], or dimensionless shape.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `influence_line`.
+        """
+        phase = self.wavenumbers * (self._section(section, quantity) * self.length)
+        if quantity == "moment":
+            return np.asarray(self.flexural_rigidity * self.wavenumbers**2 * np.sin(phase))
+        if quantity == "deflection":
+            return np.sin(phase)
+        shear: FloatArray = self.flexural_rigidity * self.wavenumbers**3 * np.cos(phase)
+        return -shear if quantity == "reaction" and section else shear
+
+    def _section(self, section: float, quantity: str) -> float:
+        """Check a section, which may be an end if the quantity is no moment."""
+        _checks.choice("quantity", quantity, ("moment", "shear", "deflection", "reaction"))
+        at_end = _checks.number("section", section) in (0.0, 1.0)
+        if quantity == "reaction" and not at_end:
+            raise ValueError(
+                "section must be the place of a support that has a reaction, 0 or 1 of the span, "
+                f"got {section:g}"
+            )
+        if quantity != "moment" and at_end:
+            return float(section)
+        return _checks.fraction("section", section, self.length)
 
     @cached_property
     def state_matrix(self) -> FloatArray:
@@ -289,7 +342,8 @@ class Beam:
         return labels, self.mode_shapes(points * self.length)
 
 
-def _checked_damping(value: object, n_modes: int) -> float | tuple[float, ...]:
+def checked_damping(value: object, n_modes: int) -> float | tuple[float, ...]:
+    """Check a damping ratio, or one a mode."""
     one_number = isinstance(value, str) or np.ndim(value) == 0  # type: ignore[arg-type]
     ratios = [value] if one_number else list(value)  # type: ignore[call-overload]
     if not one_number and len(ratios) != n_modes:

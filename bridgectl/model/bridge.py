@@ -66,6 +66,21 @@ class BridgeModel(Protocol):
         ...
 
 
+@runtime_checkable
+class TellsEffects(BridgeModel, Protocol):
+    """A bridge that tells more than moments: shear, reactions, or what was measured."""
+
+    def influence_line(
+        self, x: ArrayLike, section: float = 0.5, quantity: str = "moment"
+    ) -> FloatArray:
+        """Static effect [its unit / N] at a section of a force at x [m]."""
+        ...
+
+    def modal_effects(self, section: float = 0.5, quantity: str = "moment") -> FloatArray:
+        """Effect at a section per modal coordinate, shape (n_modes,)."""
+        ...
+
+
 def state_matrix(bridge: BridgeModel) -> FloatArray:
     """State matrix of the modes, states (q_1 [m], q_1' [m/s], q_2, ...), shape (2 n, 2 n)."""
     n = bridge.n_modes

@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_load
 from bridgectl.model.bridge import BridgeModel
+from bridgectl.model.bridge_effects import AtSection, Deflection, Moment
 from bridgectl.model.effect import SENSES, Effect, EffectRows
-from bridgectl.model.effects import Deflection, Moment, as_effect
+from bridgectl.model.effects import as_effect
 from bridgectl.model.equations import Equations
 from bridgectl.model.motion import Motion, as_motion
 from bridgectl.model.quarter_car import QuarterCar
@@ -89,10 +90,16 @@ class Crossing(Equations):
     @cached_property
     def _moment(self) -> Moment:
         """The moment at the place of the effect, halfway if it has none."""
-        if isinstance(self.effect, Moment):
+        if type(self.effect) is Moment:
             return self.effect
-        at = self.effect.at if isinstance(self.effect, Deflection) else None
+        at = self.effect.at if isinstance(self.effect, AtSection) else None
         return Moment(at).on(self.beam, self.linear)
+
+    @property
+    def kinks(self) -> FloatArray:
+        """Places [m] where mode shapes are not smooth, or what a tire there does to the effect."""
+        places = [self.effect.kinks(self.beam), self.beam.kinks(self.section)]
+        return np.unique(np.concatenate(places))
 
     @cached_property
     def static_peak(self) -> float:
@@ -319,13 +326,15 @@ def make_crossing(
     return Crossing(beam, vehicle, as_effect(effect, beam, vehicle.linear, section, recovery))
 
 
-def require_factor(crossing: Crossing) -> None:
-    """Refuse an effect whose static peak is nothing: what is over it would be no factor."""
-    if crossing.static_peak == 0:
+def require_factor(crossing: Crossing, *, unless_none: bool = False) -> None:
+    """Refuse an effect whose static peak is nothing, unless no effect of its kind has one."""
+    if crossing.static_peak == 0 and (crossing.effect.has_static or not unless_none):
         effect = crossing.effect
+        other = next(sense for sense in SENSES if sense != effect.sense)
         raise ValueError(
             f"effect must have a static peak for a factor, and the {effect.sense} static "
-            f"{effect.label} of {effect!r} is 0 {effect.unit}: type peak_effect(...) for its peak"
+            f"{effect.label} of {effect!r} is 0 {effect.unit}: type another place or "
+            f"sense={other!r}, or peak_effect(...) for its peak"
         )
 
 

@@ -43,6 +43,8 @@ class Effect(ABC):
     """A load effect; of its peaks the largest count, or the smallest."""
 
     sense: str = field(default="largest", kw_only=True)
+    has_static: ClassVar[bool] = True
+    """Whether static loads give it any value."""
     unit: ClassVar[str]
     label: ClassVar[str]
 
@@ -89,6 +91,21 @@ class Effect(ABC):
         """
         return self._rows(bridge, vehicle, tires)
 
+    def kinks(self, bridge: BridgeModel) -> FloatArray:
+        """Return places where the shapes, or what a tire there does to the effect, are not smooth.
+
+        Parameters
+        ----------
+        bridge
+            See `bridgectl.Crossing`.
+
+        Returns
+        -------
+        ndarray
+            Places [m].
+        """
+        return self._kinks(bridge)
+
     def static_peak(self, bridge: BridgeModel, vehicle: Vehicle) -> float:
         """Largest or smallest value as the vehicle creeps across; 0 where there is none.
 
@@ -102,19 +119,22 @@ class Effect(ABC):
         float
             In the effect's unit [N m, m or N].
         """
-        values = self._static_values(bridge, vehicle)
-        if not values.size:
+        if not self.has_static:
             return 0.0
+        values = self._static_values(bridge, vehicle)
         peak = float(values.max() if self.sense == "largest" else values.min())
         return peak if abs(peak) > NO_FACTOR * np.abs(values).max() else 0.0
 
     def _on(self, bridge: BridgeModel, vehicle: Vehicle) -> Self:
         return self
 
+    def _kinks(self, bridge: BridgeModel) -> FloatArray:
+        return bridge.kinks(0.5)
+
     @abstractmethod
     def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
         """See `rows`."""
 
-    @abstractmethod
     def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        """Values as the vehicle creeps across; none of what static loads do not give."""
+        """Values as the vehicle creeps across, of what static loads give any."""
+        raise NotImplementedError

@@ -28,6 +28,20 @@ LI2006_INERTIA_SCALE = np.pi**4 / 96
 """Factor on M_mu that Eqs. (5) and (8) have as printed."""
 
 
+def recover(
+    bridge: BridgeModel, line: FloatArray, of_modes: FloatArray, tires: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Rows of any effect on tire forces and bridge states, as 'exact' has it.
+
+    E = sum_k R_k I(x_k) - sum_j (q_j'' + 2 zeta_j w_j q_j') E_j / w_j^2, where the modal equation
+    eliminates q_j'': of the influence line I at the tires, shape (..., n_tires), and the effect of
+    each mode's shape E_j, shape (n_modes,).
+    """
+    carried = of_modes / (bridge.modal_masses * bridge.omega**2)
+    per_force = line - bridge.mode_shapes(tires) @ carried
+    return per_force, np.kron(of_modes, [1.0, 0.0])
+
+
 def recover_moment(
     beam: BridgeModel, section: float, recovery: str, tires: FloatArray
 ) -> tuple[FloatArray, FloatArray]:

@@ -13,6 +13,7 @@ from bridgectl.model.beam import Beam
 from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.recovery import RECOVERIES
+from bridgectl.model.spans import Bridge
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.surface.parts import COMPUTED, UNITS, leaves
 
@@ -40,7 +41,7 @@ def checked_expectations(kind: type[Any], **given: Any) -> dict[str, Any]:
 
 
 def _expectation(name: str, value: Any) -> Any:
-    kinds = {"beam": (Beam,), "vehicle": (Vehicle, QuarterCar)}.get(name)
+    kinds = {"beam": (Beam, Bridge), "vehicle": (Vehicle, QuarterCar)}.get(name)
     if kinds:
         if not isinstance(value, kinds):
             words = " or ".join(kind.__name__ for kind in kinds)

@@ -23,9 +23,18 @@ from numpy.typing import NDArray
 from bridgectl import _checks, _version
 from bridgectl._files import replacing
 from bridgectl.model.beam import Beam
-from bridgectl.model.effects import BodyAcceleration, Deflection, Moment, TireForce
+from bridgectl.model.bridge_effects import (
+    BridgeAcceleration,
+    Deflection,
+    Moment,
+    Reaction,
+    Shear,
+    Stress,
+)
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.spans import Bridge
 from bridgectl.model.vehicle import Vehicle
+from bridgectl.model.vehicle_effects import BodyAcceleration, TireForce
 from bridgectl.surface.factored import FactoredHistories
 from bridgectl.surface.histories import DenseHistories
 from bridgectl.surface.parts import AXES, UNITS, leaves, parts, require_surface
@@ -40,8 +49,8 @@ WHOLE = "RampSurface"
 PARTS: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
-        Beam, QuarterCar, Vehicle, Moment, Deflection, TireForce, BodyAcceleration,
-        FactoredHistories, DenseHistories,
+        Beam, Bridge, QuarterCar, Vehicle, Moment, Deflection, Shear, Reaction, Stress,
+        BridgeAcceleration, TireForce, BodyAcceleration, FactoredHistories, DenseHistories,
     )
 }  # fmt: skip
 """Classes of the parts."""

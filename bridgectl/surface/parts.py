@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from bridgectl.model.supports import Support
+
 UNITS = {
     "section": "1", "effect.at": "m", "approach": "m", "ramp_length": "m", "ramp_height": "m",
     "speeds": "m/s", "positions": "m", "daf_smooth": "1", "daf_unit": "1", "daf_rise": "1",
     "beam.length": "m", "beam.mass_per_length": "kg/m", "beam.flexural_rigidity": "N m^2",
-    "beam.n_modes": "1", "beam.damping_ratio": "1",
+    "beam.spans": "m", "beam.n_modes": "1", "beam.damping_ratio": "1",
     "vehicle.sprung_mass": "kg", "vehicle.unsprung_mass": "kg",
     "vehicle.suspension_stiffness": "N/m", "vehicle.tire_stiffness": "N/m",
     "vehicle.damping": "N s/m", "vehicle.tire_damping": "N s/m",
@@ -88,6 +90,8 @@ def _leaf(name: str, value: Any) -> Any:
         return tuple(_leaf(name, entry) for entry in value)
     if value is None or isinstance(value, bool | int | float | str):
         return value
+    if isinstance(value, Support):  # which a bridge takes by what it is stiff against
+        return dataclasses.asdict(value)
     raise TypeError(
         f"{name} is a {type(value).__name__}, which files do not hold: they hold numbers, text, "
         "and arrays of them"

@@ -17,7 +17,7 @@ from bridgectl._units import to_kmh
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import prepare
-from bridgectl.model.effects import Moment
+from bridgectl.model.bridge_effects import Moment
 from bridgectl.road import RoadProfile
 from bridgectl.road.iso8608 import ramp_covariance
 from bridgectl.road.spectrum import DEFAULT_BAND
@@ -71,7 +71,7 @@ class RampSurface(UnitRamps):
     def __repr__(self) -> str:
         kmh = to_kmh(self.speeds)
         rest = "" if self.section == 0.5 else f", section={self.section:g} of the span"
-        rest += "" if isinstance(self.effect, Moment) else f", effect={self.effect!r}"
+        rest += "" if type(self.effect) is Moment else f", effect={self.effect!r}"
         rest += "" if self.daf_rise is None else ", both ways"
         rest += "" if self.every == 1 else f", computed at one place in {self.every}"
         if isinstance(self.histories, FeedbackHistories):

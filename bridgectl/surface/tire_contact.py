@@ -17,7 +17,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import count_pieces
 from bridgectl.linear.nodes import MAX_VEHICLE_PHASE
 from bridgectl.linear.runs import Run
-from bridgectl.model.effects import TireForce
+from bridgectl.model.vehicle_effects import TireForce
 from bridgectl.surface.histories import factor_histories, superposed
 
 DOUBTFUL = 0.05

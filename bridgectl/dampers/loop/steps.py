@@ -136,7 +136,7 @@ def make_plan(
         Times within a round at which a step ends [s]: see `times_within`.
     """
     start, stop, span = stations[0], stations[-1], crossing.beam.length
-    places = np.unique([*stations, 0.0, crossing.section * span, span])
+    places = np.unique([*stations, *crossing.kinks, 0.0, span])
     lengths = speeds * sample_time
     entries = np.floor(-start / lengths + SAME_PLACE).astype(np.intp)
     counts = np.ceil((stop - start) / lengths - SAME_PLACE).astype(np.intp)
