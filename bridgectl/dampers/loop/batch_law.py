@@ -70,14 +70,10 @@ NOTHING = np.zeros((1, 0, 1))
 
 
 class BatchLaw:
-    """The command of a strategy for arrays of signals, of S speeds [m/s] and R roads side by side.
+    """The `Controller` that is a strategy, of S speeds [m/s] and R roads.
 
     `gains` are those that differ between cases, by name, shape (S, R); `sample_time` is the time
     between samples [s]. See `Strategy.for_speed` and `Strategy.gains_for`.
-
-    A closed loop takes any other controller with these `preview`, `start` and `command`. Speeds
-    that have crossed, and roads that are yet the same as the first, are not asked for: what is
-    given then has the first so many speeds and roads. No case may depend on another.
     """
 
     def __init__(
@@ -96,13 +92,12 @@ class BatchLaw:
                 f"{self.name} must have the same states at every speed, and as many distances of "
                 "preview"
             )
-        # Distances ahead of the tire at which it sees the road [m], (S or 1, n).
         self.preview: FloatArray = np.array([law.preview for law in self.laws], dtype=np.float64)
         self.steps = _merged([law.function for law in self.laws])
         self._know({})
 
     def start(self, n_speeds: int, n_roads: int) -> FloatArray:
-        """Return the initial values of the states, shape (S, m, R); m may be 0."""
+        """See `Controller.start`."""
         own = np.array([[*law.states.values()] for law in self.laws], dtype=np.float64)
         return np.tile(own[..., np.newaxis], (n_speeds // len(own), 1, n_roads))
 
@@ -141,11 +136,9 @@ class BatchLaw:
         ahead: FloatArray = NOTHING,
         sample: int = 0,
     ) -> tuple[FloatArray, FloatArray]:
-        """Return the command [N s/m], of the shape that signals broadcast to, and the next states.
+        """See `Controller.command`; NaN and infinity of a law or an update are errors.
 
-        Of what is measured, by name and of shapes that broadcast to (S, R); the states `memory`,
-        (S, m, R); the road's elevations `ahead` less that under the tire [m], (S, n, R), positive
-        up; and the number of the sample, one of those foreseen. NaN and infinity are errors.
+        `sample` is one of those foreseen. Signals tell the shape (S, R) by what they broadcast to.
         """
         shape = np.broadcast_shapes(*(np.shape(value) for value in signals.values()))
         inputs = signals, self._gains(shape), memory, ahead

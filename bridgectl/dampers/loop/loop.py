@@ -16,6 +16,7 @@ from bridgectl._checks import FloatArray
 from bridgectl.dampers.actuator import Damper
 from bridgectl.dampers.loop.advance import Ends, Stepper
 from bridgectl.dampers.loop.batch_law import BatchLaw
+from bridgectl.dampers.loop.controller import Controller
 from bridgectl.dampers.loop.noise import Noise
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.steps import (
@@ -69,11 +70,12 @@ class Loop:
         self.plan: Plan = make_plan(crossing, speeds, stations, damper.sample_time, parts)
         gains = damper.strategy.gains_for(crossing, speeds, stations, elevations)
         every = np.full(len(elevations), stations[0])
-        self.controller = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
-        self.controller.foresee(self.plan.edges[..., 0], speeds)
+        law = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
+        law.foresee(self.plan.edges[..., 0], speeds)
+        self.controller: Controller = law
         # What is set once for each crossing, its noise, or what is seen ahead differs between roads
         # from the start.
-        own = bool(gains) or damper.velocity_noise > 0 or self.controller.preview.size > 0
+        own = bool(gains) or damper.velocity_noise > 0 or law.preview.size > 0
         self.begins = every if begins is None or own else begins
         self.middle = (damper.strategy.c_min + damper.strategy.c_max) / 2
         self.noise: Noise | None = None
