@@ -244,8 +244,8 @@ def _run_dae(args: argparse.Namespace) -> None:
         beam, vehicle, speeds, road, start=-args.approach,
         section=args.section, recovery=args.recovery,
     )  # fmt: skip
-    with warnings.catch_warnings():  # the simulation has told of tires that leave the road
-        warnings.simplefilter("ignore", bc.LiftOffWarning)
+    # The simulation has told of tires that leave the road.
+    with warnings.catch_warnings(action="ignore", category=bc.LiftOffWarning):
         superposed = surface.superposed_daf(road)
     study = DaeStudy(surface, vehicle, road, station, surface.dae(road), superposed, simulated)
     computed = {"superposed": superposed, "simulated": simulated}

@@ -184,15 +184,13 @@ def header(study: Study) -> dict[str, Any]:
 def key(damper: Damper, study: Study, piece: Piece) -> str:
     """Tell a damper, and the roads if the piece is of them, from others: their text, shortened."""
     ends = [damper.strategy.for_speed(float(c)) for c in study.speeds[[0, -1]]]
-    text = json.dumps(
-        [
-            repr(damper.strategy),  # what a strategy chooses gains from is in no function
-            [law.function.serialize() for law in ends],
-            damper.strategy.gains,
-            [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
-        ]
-    )
-    whole = hashlib.sha256(text.encode())
+    told = [
+        repr(damper.strategy),  # what a strategy chooses gains from is in no function
+        [law.function.serialize() for law in ends],
+        damper.strategy.gains,
+        [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
+    ]
+    whole = hashlib.sha256(json.dumps(told).encode())
     if not isinstance(piece, str):
         whole.update(np.ascontiguousarray(study.elevations).tobytes())
     return whole.hexdigest()[:16]

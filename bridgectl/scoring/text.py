@@ -6,13 +6,17 @@ import contextlib
 import io
 import math
 from collections.abc import Sequence
+from typing import Any, TypeAlias
 
 from rich.table import Table
 
 from bridgectl._tables import make_console, make_table
 from bridgectl._units import to_kmh
 from bridgectl.scoring.agreement import CONFIDENCE, Paired
-from bridgectl.scoring.rows import CLASS_DAE, Board, ClassRow, Ranking, Row
+from bridgectl.scoring.rows import CLASS_DAE, ClassRow, Ranking, Row
+
+# Scoreboard, whose module imports this one.
+Board: TypeAlias = Any
 
 NAMED_ROADS = 4
 """Roads that the heading names."""
