@@ -58,7 +58,7 @@ def class_part(
     with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
         surface = ramp_surface(
             crossing.beam, crossing.vehicle, speeds, approach=approach, ramp_height=road_class,
-            both_ways=True, every=EVERY, section=crossing.section, recovery=crossing.recovery,
+            both_ways=True, every=EVERY, effect=crossing.effect,
             damper=damper, progress=False,
         )  # fmt: skip
     return {

@@ -29,7 +29,9 @@ from bridgectl.measures import aggregate_fourth_power, dynamic_load_coefficient,
 from bridgectl.measures.history import largest, rms
 from bridgectl.measures.loads import CELL, road_stress_factor
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.crossing import make_crossing, require_factor
+from bridgectl.model.effect import Effect
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 from bridgectl.road import RoadProfile
 from bridgectl.scoring.board import Scoreboard
 from bridgectl.scoring.classes import class_part, class_shapes, class_surface, n_class_ramps
@@ -66,6 +68,7 @@ def score(
     departure: float = 0.0,
     section: float = 0.5,
     recovery: str = "exact",
+    effect: Effect | str = "moment",
     resume: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     progress: bool = True,
@@ -77,8 +80,8 @@ def score(
     dampers : sequence of Damper or Strategy
         The strategies, each with a name of its own; the first is what others are compared with.
         A strategy alone gets the defaults of `bridgectl.dampers.Damper`.
-    beam, section, recovery
-        See `bridgectl.Crossing`.
+    beam, section, recovery, effect
+        See `bridgectl.daf`.
     vehicle : QuarterCar
         The vehicle; its damper is replaced.
     roads : sequence of RoadProfile
@@ -139,10 +142,13 @@ def score(
             f'resume must name a file, got {type(resume).__name__}: type resume="score.jsonl"'
         )
     devices = checked_devices(dampers)
-    study = make_study(beam, vehicle, roads, speeds, approach, departure, section, recovery)
-    judge_crossing(study.crossing, study.speeds, *roads)
+    require_quarter_car(vehicle)
+    crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    require_factor(crossing)
+    study = make_study(crossing, roads, speeds, approach, departure)
+    judge_crossing(crossing, study.speeds, *roads)
     judge_range(vehicle, *devices)
-    bare = replace(study.crossing, vehicle=bare_vehicle(vehicle))
+    bare = replace(crossing, vehicle=bare_vehicle(vehicle))
     require_loop(
         bare, devices, study.speeds, study.stations, len(roads),
         n_ramps=study.n_ramps + len(study.classes) * n_class_ramps(study.n_ramps),
@@ -241,7 +247,7 @@ def _first_order(study: Study, damper: Damper, run: RampsAndRoads) -> Part:
     else:  # exact, and quick
         surface = ramp_surface(
             study.beam, study.vehicle, study.speeds, approach=study.approach,
-            section=study.section, recovery=study.recovery, damper=damper,
+            effect=study.crossing.effect, damper=damper,
         )  # fmt: skip
     return {"dae": surface.dae(study.under_ramps), "daf_smooth": surface.daf_smooth}
 
