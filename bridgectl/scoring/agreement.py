@@ -67,7 +67,10 @@ class Agreement(NamedTuple):
     """Whether an estimate orders strategies as simulation does, made by `agreement`."""
 
     tau: float
-    """Kendall's rank correlation: 1 in the same order, -1 reversed, 0 for none; NaN of equal values."""
+    """Kendall's rank correlation: 1 in the same order, -1 reversed, 0 for none.
+
+    NaN where all values are the same.
+    """
     low: float
     """Lower end of its 95 % interval, of roads drawn again."""
     high: float
