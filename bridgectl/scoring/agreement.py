@@ -67,7 +67,7 @@ class Agreement(NamedTuple):
     """Whether an estimate orders strategies as simulation does, made by `agreement`."""
 
     tau: float
-    """Kendall's rank correlation: 1 for the same order, -1 for the opposite one, 0 for none.
+    """Kendall's rank correlation: 1 in the same order, -1 reversed, 0 for none.
 
     NaN where all values are the same.
     """

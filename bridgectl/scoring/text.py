@@ -72,8 +72,9 @@ def print_score(board: Board) -> None:
     console.print(DAE_NOTE, soft_wrap=True)
     rankings = board.rankings()
     if board.surfaces:
-        for names in _by_two(list(board.surfaces)):
-            console.print(_class_table(board, names))
+        names = list(board.surfaces)
+        for i in range(0, len(names), 2):
+            console.print(_class_table(board, names[i : i + 2]))
         console.print(CLASS_NOTE, soft_wrap=True)
     if len(rows) > 1:
         console.print(_ranking_table(rankings))
@@ -268,7 +269,3 @@ def _ranking_table(rankings: Sequence[Ranking]) -> Table:
             each.roads, each.estimate, *(_known(value, 2) for value in each.agreement), pairs
         )
     return table
-
-
-def _by_two(names: Sequence[str]) -> list[Sequence[str]]:
-    return [names[i : i + 2] for i in range(0, len(names), 2)]
