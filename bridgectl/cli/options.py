@@ -20,7 +20,6 @@ from bridgectl._checks import FloatArray
 from bridgectl._files import is_regular, replacing
 from bridgectl._places import SAME_PLACE, even_places, whole_pieces
 from bridgectl._plausible import judge_kmh
-from bridgectl.model.recovery import RECOVERIES
 from bridgectl.surface.compute import RAMP_LENGTH
 
 if TYPE_CHECKING:
@@ -32,6 +31,9 @@ SPEEDS_KMH = (1.0, 1000.0)
 
 VEHICLE = "sprung_mass", "unsprung_mass", "suspension_stiffness", "tire_stiffness", "damping"
 """Parameters of the quarter-car, each an option."""
+
+OWN = "length", "mass_per_length", "flexural_rigidity", "frequency", "supports"
+"""Parameters of a bridge of one's own, each an option."""
 
 SPEEDS_LOOK = "50:150:1 or 80,90,100"
 
@@ -148,20 +150,6 @@ def resumed(path: Path | None) -> Iterator[None]:
         raise
 
 
-def add_bridge_options(parser: argparse.ArgumentParser) -> None:
-    """Add the bridge and how its moment is found."""
-    bridge = parser.add_argument_group("bridge (Li's thesis, 2006; default the paper's 25 m)")
-    add_option(bridge, "--span", "M", "odd, 9 to 43 [m]", as_number, 25)
-    bridge.add_argument("--deck", help="solid, Y or super-Y, for spans that have several")
-    add_option(bridge, "--modes", "N", "number (default 3)", as_whole, 3)
-    add_option(bridge, "--damping-ratio", "Z", "of mode 1, or A,B,C of each (default 0)", None, "0")
-    add_option(bridge, "--section", "S", "section of the moment, as a fraction of the span "
-               "(default 0.5)", as_number, 0.5)  # fmt: skip
-    ways = ", ".join(RECOVERIES)
-    add_option(bridge, "--recovery", "HOW", f"of the moment from the modes: {ways} (default exact)",
-               default="exact")  # fmt: skip
-
-
 def add_vehicle_options(parser: argparse.ArgumentParser) -> None:
     """Add the parameters of the quarter-car."""
     vehicle = parser.add_argument_group("quarter-car (default the paper's truck)")
@@ -177,13 +165,6 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     """Add what becomes of the results."""
     add_option(parser, "--plot", "FILE", "draw (png, pdf, svg)", Path)
     parser.add_argument("--json", action="store_true", help="print one JSON object instead")
-
-
-def make_beam(args: argparse.Namespace) -> bc.Beam:
-    """Make the bridge of the bridge options."""
-    ratios = tuple(numbers("--damping-ratio", args.damping_ratio, float))
-    damping_ratio = ratios if len(ratios) > 1 else ratios[0]
-    return bc.li2006.beam(args.span, args.deck, n_modes=args.modes, damping_ratio=damping_ratio)
 
 
 def make_vehicle(args: argparse.Namespace) -> bc.QuarterCar:
@@ -304,7 +285,7 @@ def numbers(option: str, text: str, kind: type, look: str = "") -> list[Any]:
 
 def as_options(advice: str) -> str:
     """Advice to type an argument of the library, for the command line."""
-    names = "|".join((*VEHICLE, "damping_ratio"))
+    names = "|".join((*VEHICLE, "damping_ratio", *OWN))
     return re.sub(
         rf"\btype ({names})=", lambda found: f"type --{found[1].replace('_', '-')} ", advice
     )
