@@ -46,7 +46,7 @@ from bridgectl.linear.cells import SAMPLES
 from bridgectl.linear.prediction import Prediction
 from bridgectl.linear.runs import effect_samples
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
@@ -143,6 +143,7 @@ def peak_value(
     curvature = (stiff - soft) / 2 / check.positive("yield_speed", yield_speed, unit="m/s")
     car = replace(bare_vehicle(vehicle), damping=(soft + stiff) / 2)
     crossing, c = make_crossing(beam, car, effect, section), Motion(speed).speed
+    require_factor(crossing)
     judge_crossing(crossing, c)
     before = check.not_negative("reach", reach, unit="m")
     known, bridge = smooth_crossing(crossing, c, before)

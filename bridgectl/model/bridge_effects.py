@@ -352,6 +352,7 @@ class BridgeAcceleration(AtSection):
     array([0.06])
     """
 
+    has_static: ClassVar[bool] = False
     unit: ClassVar[str] = "m/s^2"
     label: ClassVar[str] = "acceleration of the bridge"
 
@@ -361,9 +362,6 @@ class BridgeAcceleration(AtSection):
         rates = [-shape * bridge.omega**2, -2 * shape * bridge.damping_ratios * bridge.omega]
         per_force = bridge.mode_shapes(tires) @ (shape / bridge.modal_masses)
         return EffectRows(per_force, _of_states(vehicle, np.column_stack(rates).ravel()), 0.0)
-
-    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        return np.zeros(0)
 
 
 def _of_states(vehicle: Vehicle, of_beam: FloatArray) -> FloatArray:
