@@ -144,9 +144,7 @@ def _of_numbered_modes(ratios: Mapping[str, Any]) -> dict[int, Any]:
     return {int(mode): ratio for mode, ratio in ratios.items()}
 
 
-def bridge_of_spans(
-    given: Mapping[str, Any], *, damped_in_mode_1: bool = False
-) -> Beam | Bridge:
+def bridge_of_spans(given: Mapping[str, Any], *, damped_in_mode_1: bool = False) -> Beam | Bridge:
     """Return the bridge of arguments of `Bridge`, or 'frequency' [Hz] in place of its E J.
 
     Of one simply supported span without steps it is a `Beam`, whose modes are closed forms; one
@@ -161,11 +159,12 @@ def bridge_of_spans(
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
         bridge = Bridge(**options)
+    alongs: list[Any] = [bridge.mass_per_length, bridge.flexural_rigidity]
     mass, rigidity = (
-        value[0] if isinstance(value, tuple) and len(value) == 1 else value
-        for value in (bridge.mass_per_length, bridge.flexural_rigidity)
+        float(np.ravel(along)[-1]) if isinstance(along, tuple) and len(along) == 1 else along
+        for along in alongs
     )
-    ratios = bridge.damping_ratio
+    ratios: Any = bridge.damping_ratio
     rayleigh = isinstance(ratios, tuple) and isinstance(ratios[0], tuple)
     prismatic = isinstance(mass, float) and isinstance(rigidity, float)
     if bridge.supports == ("simple", "simple") and prismatic and not rayleigh:
@@ -237,6 +236,4 @@ def _effect_name(i: int, effect: dict[str, Any], length: float) -> tuple[str, fl
 def _in_toml(message: str) -> str:
     """An error of the library with lists and tables as TOML has them."""
     message = re.sub(r"\(([^()]*, [^()]*)\)", r"[\1]", message)
-    return re.sub(
-        r"\{[^}]*\}", lambda found: re.sub(r"'?(\w+)'?: ", r"\1 = ", found[0]), message
-    )
+    return re.sub(r"\{[^}]*\}", lambda found: re.sub(r"'?(\w+)'?: ", r"\1 = ", found[0]), message)

@@ -25,7 +25,7 @@ Or it has modes = "modes.csv", a table with a column a mode, and [[effects]] tha
 quantity = "moment", at = 12.5, places, influence, modal. See bridgectl/cli/bridge_file.py."""
 
 
-def add_bridge_options(parser: argparse.ArgumentParser, *, effects: bool) -> None:
+def add_bridge_options(parser: argparse.ArgumentParser, *, effects: bool = False) -> None:
     """Add the bridge and how its moment is found, or other effects."""
     deck = parser.add_argument_group("bridge (Li's thesis, 2006; default the paper's 25 m)")
     add_option(deck, "--span", "M", "odd, 9 to 43 [m]", as_number)

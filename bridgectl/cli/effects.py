@@ -11,7 +11,9 @@ from typing import Any, cast
 import numpy as np
 
 import bridgectl as bc
+from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
+from bridgectl.cli.bridge_file import QUANTITIES
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.bridge_effects import AtSection
 from bridgectl.model.effect import NO_FACTOR, Effect
@@ -51,13 +53,13 @@ class Asked:
 
     @property
     def is_factor(self) -> bool:
-        """Whether a static peak makes a factor of it."""
-        return self.crossing.static_peak != 0
+        """Whether what is told of it is over a static peak, or in its own unit."""
+        return self.effect.has_static
 
     @property
-    def unit(self) -> str:
-        """Unit of what is told."""
-        return "-" if self.is_factor else self.effect.unit
+    def least(self) -> bool:
+        """Whether the worst of what is told is the least, as of a tire force."""
+        return self.crossing.orientation < 0
 
     @property
     def told(self) -> str:
@@ -65,9 +67,9 @@ class Asked:
         place = f" at {self.effect.at:g} m" if isinstance(self.effect, AtSection) else ""
         return f"{self.effect.sense} {self.effect.label}{place}"
 
-    def worst(self, values: Any) -> int:
+    def worst(self, values: FloatArray) -> int:
         """Index of the worst of some factors or peaks."""
-        return int(np.argmax(self.crossing.orientation * values))
+        return int(np.argmin(values) if self.least else np.argmax(values))
 
 
 def asked_effects(
@@ -76,7 +78,8 @@ def asked_effects(
     """Return the effects of --effect, or the moment at --section."""
     if args.effect is None:
         effect = as_effect("moment", bridge, vehicle.linear, args.section, args.recovery)
-        return [_asked("moment", effect, bridge, vehicle)]
+        elsewhere = f"type another --section, as {_elsewhere(bridge) / bridge.length:.3g}"
+        return [_asked("moment", f"--section {args.section:g}", elsewhere, effect, bridge, vehicle)]
     if args.section != 0.5:
         raise ValueError(
             "--section and --effect exclude each other: for a moment there type --effect "
@@ -85,9 +88,44 @@ def asked_effects(
     texts = [text.strip() for text in args.effect.split(",")]
     if twice := [text for text in texts if texts.count(text) > 1]:
         raise ValueError(f"--effect names {twice[0]!r} twice: leave one out")
-    return [
-        _asked(text, _effect(text, args.recovery, bridge), bridge, vehicle) for text in texts
-    ]
+    found = []
+    for text in texts:
+        effect, name = _effect(text, args.recovery, bridge), text.partition("@")[0]
+        elsewhere = f"type another place, as {name}@{_elsewhere(bridge):g}"
+        found.append(_asked(text, f"--effect {text}", elsewhere, effect, bridge, vehicle))
+    return found
+
+
+def _elsewhere(bridge: BridgeModel) -> float:
+    """A place [m] in the field of the first span."""
+    first = bridge.support_places[1] if isinstance(bridge, bc.Bridge) else bridge.length
+    return 0.4 * float(first)
+
+
+def _asked(
+    name: str, option: str, elsewhere: str, effect: Effect, bridge: BridgeModel,
+    vehicle: QuarterCar,
+) -> Asked:  # fmt: skip
+    """The effect of a crossing; errors tell the option that asks for it."""
+    if isinstance(effect, AtSection):
+        _require_place(option, elsewhere, effect, bridge)
+    found = Asked(name, bc.Crossing(bridge, vehicle, effect))
+    if found.is_factor and found.crossing.static_peak == 0:
+        raise ValueError(
+            f"{option}: the {found.told} is 0 while the vehicle creeps across, and makes no "
+            f"factor: {elsewhere}, or --effect {_opposite(name)}"
+        )
+    return found
+
+
+def _opposite(text: str) -> str:
+    """The other sense of an effect."""
+    name, mark, place = text.partition("@")
+    full = ALIASES.get(name, name)
+    if full in ("moment", "least_moment"):
+        return f"{'hogging' if full == 'moment' else 'sagging'}{mark}{place}"
+    other = full.removeprefix(LEAST) if full.startswith(LEAST) else f"{LEAST}{full}"
+    return f"{other}{mark}{place}"
 
 
 def _effect(text: str, recovery: str, bridge: BridgeModel) -> Effect:
@@ -125,39 +163,25 @@ def _place(text: str, name: str, place: str, length: float) -> float:
     return at
 
 
-def _asked(text: str, effect: Effect, bridge: BridgeModel, vehicle: QuarterCar) -> Asked:
-    _require_place(text, effect, bridge)
-    try:
-        found = Asked(text, bc.Crossing(bridge, vehicle, effect))
-        _ = found.is_factor
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"--effect {text}: {error}") from None
-    return found
-
-
-def _require_place(text: str, effect: Effect, bridge: BridgeModel) -> None:
+def _require_place(option: str, elsewhere: str, effect: AtSection, bridge: BridgeModel) -> None:
     """Refuse a place where a bridge tells no such effect, or where it is always 0."""
-    if not isinstance(effect, AtSection):
-        return
-    name, at = text.partition("@")[0], effect.section(bridge) * bridge.length
-    places = _places(effect, bridge)
+    at, places = effect.section(bridge) * bridge.length, _places(effect, bridge)
     if places is not None and not any(abs(at - place) < SAME_PLACE for place in places):
-        listed = ", ".join(f"{name}@{place:.9g}" for place in places)
-        remedy = f"type one of {listed}" if places else "leave it out"
+        listed = " or ".join(f"@{place:.9g}" for place in places)
         raise ValueError(
-            f"--effect {text}: the bridge has no {effect.label} at {at:g} m that it tells: {remedy}"
+            f"{option}: the bridge tells no {effect.label} at {at:g} m: "
+            + (f"type {listed} after its name" if places else "leave it out")
         )
     if _is_always_zero(effect, at, bridge):
         raise ValueError(
-            f"--effect {text}: the {effect.label} at {at:g} m is 0, whatever crosses: type "
-            f"another place, as {name}@{0.4 * bridge.length:g}"
+            f"{option}: the {effect.label} at {at:g} m is 0, whatever crosses: {elsewhere}"
         )
 
 
 def _places(effect: AtSection, bridge: BridgeModel) -> list[float] | None:
     """Places [m] where a bridge tells an effect; None for anywhere."""
-    if isinstance(bridge, bc.ModalBridge) and isinstance(effect, bc.Moment | bc.Shear | bc.Reaction):
-        kind = type(effect).__name__.lower()
+    kind = type(effect).__name__.lower()
+    if isinstance(bridge, bc.ModalBridge) and kind in QUANTITIES:
         told = [name for name in bridge.effects if not isinstance(name, str)]
         return [section * bridge.length for quantity, section in told if quantity == kind]
     if not isinstance(effect, bc.Reaction):

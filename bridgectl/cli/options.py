@@ -233,20 +233,24 @@ def save_figure(figure: Figure, path: Path) -> None:
 
 def deliver(
     args: argparse.Namespace,
-    draw: Callable[[], Figure],
+    draw: Callable[[], Figure | dict[Path, Figure]],
     results: Callable[[], str],
     show: Callable[[], None],
 ) -> None:
-    """Draw the figure if it is asked for, and print results for programs or for people."""
+    """Draw what figures are asked for, and print results for programs or for people."""
+    figures: dict[Path, Figure] = {}
     if args.plot is not None:
         with working("drawing"):
-            save_figure(draw(), args.plot)
+            drawn = draw()
+            figures = drawn if isinstance(drawn, dict) else {args.plot: drawn}
+            for path, figure in figures.items():
+                save_figure(figure, path)
     if args.json:
         print(results())
         return
     show()
-    if args.plot is not None:
-        print(f"Drawn: {args.plot}")
+    if figures:
+        print(f"Drawn: {', '.join(map(str, figures))}")
 
 
 def parse_speeds(text: str) -> FloatArray:
