@@ -19,7 +19,6 @@ from bridgectl._units import from_kmh, to_kmh
 from bridgectl._version import __version__
 from bridgectl.cli import bridges, options
 from bridgectl.cli.effects import Asked, asked_effects
-from bridgectl.model.bridge_effects import AtSection
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -252,19 +251,14 @@ def dae_json(studies: Sequence[DaeStudy]) -> dict[str, Any]:
 def _effect_json(study: DaeStudy) -> dict[str, Any]:
     """What there is of one effect; of peaks, that are no factors, with their unit in the keys."""
     asked, surface, critical = study.asked, study.surface, study.critical
-    effect = asked.effect
     keys = ["daf_smooth", "dae", "daf_superposed", "daf_simulated", "critical_daf"]
     if not asked.is_factor:
-        unit = effect.unit.replace("/", "_per_").replace("^", "").replace(" ", "_")
+        unit = asked.effect.unit.replace("/", "_per_").replace("^", "").replace(" ", "_")
         keys = [f"{name}_{unit}" for name in ("peak_smooth", "estimate", "peak_superposed",
                 "peak_simulated", "critical_peak")]  # fmt: skip
     values = [surface.daf_smooth, study.dae, study.superposed, study.simulated]
-    static = {"static_peak": asked.crossing.static_peak} if asked.is_factor else {}
     return {
-        "effect": {
-            "name": asked.name, "told": asked.told, "sense": effect.sense, "unit": effect.unit,
-            "at_m": effect.at if isinstance(effect, AtSection) else None, **static,
-        },
+        "effect": asked.content,
         **{key: value.tolist() for key, value in zip(keys, values, strict=False)},
         "critical_speed_km_per_h": float(to_kmh(surface.speeds[critical])),
         keys[-1]: float(study.simulated[critical]),

@@ -67,6 +67,16 @@ class Asked:
         place = f" at {self.effect.at:g} m" if isinstance(self.effect, AtSection) else ""
         return f"{self.effect.sense} {self.effect.label}{place}"
 
+    @property
+    def content(self) -> dict[str, Any]:
+        """The effect for JSON."""
+        effect = self.effect
+        static = {"static_peak": self.crossing.static_peak} if self.is_factor else {}
+        return {
+            "name": self.name, "told": self.told, "sense": effect.sense, "unit": effect.unit,
+            "at_m": effect.at if isinstance(effect, AtSection) else None, **static,
+        }  # fmt: skip
+
     def worst(self, values: FloatArray) -> int:
         """Index of the worst of some factors or peaks."""
         return int(np.argmin(values) if self.least else np.argmax(values))
@@ -76,7 +86,7 @@ def asked_effects(
     args: argparse.Namespace, bridge: BridgeModel, vehicle: QuarterCar
 ) -> list[Asked]:
     """Return the effects of --effect, or the moment at --section."""
-    if args.effect is None:
+    if getattr(args, "effect", None) is None:  # which there may be no option for
         effect = as_effect("moment", bridge, vehicle.linear, args.section, args.recovery)
         elsewhere = f"type another --section, as {_elsewhere(bridge) / bridge.length:.3g}"
         return [_asked("moment", f"--section {args.section:g}", elsewhere, effect, bridge, vehicle)]
@@ -111,9 +121,10 @@ def _asked(
         _require_place(option, elsewhere, effect, bridge)
     found = Asked(name, bc.Crossing(bridge, vehicle, effect))
     if found.is_factor and found.crossing.static_peak == 0:
+        other = f", or {_opposite(name)}" if option.startswith("--effect") else ""
         raise ValueError(
             f"{option}: the {found.told} is 0 while the vehicle creeps across, and makes no "
-            f"factor: {elsewhere}, or --effect {_opposite(name)}"
+            f"factor: {elsewhere}{other}"
         )
     return found
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -76,7 +77,6 @@ def add_score_options(parser: argparse.ArgumentParser) -> None:
     options.add_option(parser, "--random", "N", text, options.as_whole, 6)
     _add_damper_options(parser)
     bridges.add_bridge_options(parser)
-    parser.set_defaults(effect=None)
     options.add_vehicle_options(parser)
     options.add_work_options(parser.add_argument_group("work"))
 
@@ -107,7 +107,7 @@ def run_score(args: argparse.Namespace) -> None:
     options.check_work(args)
     speeds = from_kmh(options.parse_speeds(args.speeds))
     beam, vehicle = bridges.make_bridge(args), options.make_vehicle(args)
-    asked_effects(args, beam, vehicle)  # which names the option if there is no moment
+    (asked,) = asked_effects(args, beam, vehicle)
     dampers = _dampers(args, beam, vehicle)
     roads = _roads(args, beam.length)
     with options.resumed(args.resume):
@@ -118,7 +118,14 @@ def run_score(args: argparse.Namespace) -> None:
         )  # fmt: skip
     from bridgectl.scoring.text import print_score
 
-    options.deliver(args, board.plot, board.to_json, lambda: print_score(board))
+    def show() -> None:
+        print(f"Effect: {asked.told}")
+        print_score(board)
+
+    def results() -> str:
+        return json.dumps(json.loads(board.to_json()) | {"effect": asked.content}, indent=1)
+
+    options.deliver(args, board.plot, results, show)
 
 
 def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: bc.QuarterCar) -> list[Damper]:
