@@ -39,6 +39,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from bridgectl import Beam, Bridge, ModalBridge
 from bridgectl import _checks as check
@@ -70,9 +71,6 @@ N_MODES = 3
 
 STIFFEST = 1e4
 """How many times the E J of a simply supported span a deck may have to reach a frequency."""
-
-SAME_FREQUENCY = 1e-9
-"""Relative difference of frequencies that are the same."""
 
 
 def read_bridge(name: str) -> Beam | Bridge | ModalBridge:
@@ -181,21 +179,26 @@ def _rigidity(options: Mapping[str, Any], frequency: float) -> float:
     """E J [N m^2] with which the first frequency is this one [Hz]; springs may not allow it."""
     given = {name: options[name] for name in ("spans", "mass_per_length", "supports")
              if name in options}  # fmt: skip
+
+    def frequency_of(rigidity: float) -> float:
+        bridge = Bridge(**given, flexural_rigidity=rigidity, n_modes=1)
+        return float(bridge.frequencies[0])
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of decks on the way
         bridge = Bridge(**given, flexural_rigidity=1e10, n_modes=1)
         longest = float(np.diff(bridge.support_places).max())
-        first = bridge.mass / bridge.length * (2 * frequency * longest**2 / np.pi) ** 2
-        rigidity, found = first, 0.0
-        while abs(found / frequency - 1) > SAME_FREQUENCY:
-            if rigidity > STIFFEST * first:
-                raise ValueError(
-                    f"frequency of {frequency:g} Hz is more than the springs of the supports "
-                    f"allow, on which a stiff deck has {found:.3g} Hz"
-                )
-            found = Bridge(**given, flexural_rigidity=rigidity, n_modes=1).frequencies[0]
-            rigidity *= (frequency / found) ** 2  # exact of rigid supports, too little of springs
-    return float(rigidity)
+        usual = bridge.mass / bridge.length * (2 * frequency * longest**2 / np.pi) ** 2
+        if (most := frequency_of(STIFFEST * usual)) < frequency:
+            raise ValueError(
+                f"frequency of {frequency:g} Hz is more than the springs of the supports allow, on "
+                f"which a stiff deck has {most:.3g} Hz"
+            )
+        power = brentq(
+            lambda power: np.log(frequency_of(usual * STIFFEST**power) / frequency), -1, 1,
+            xtol=1e-14,
+        )  # fmt: skip
+    return float(usual * STIFFEST**power)
 
 
 def _modal_bridge(path: Path, content: dict[str, Any]) -> ModalBridge:
@@ -211,7 +214,9 @@ def _modal_bridge(path: Path, content: dict[str, Any]) -> ModalBridge:
     length = max(table["x"], default=0.0)
     names = [_effect_name(i, effect, length) for i, effect in enumerate(told_effects)]
     if again := [name for name in names if names.count(name) > 1]:
-        raise ValueError(f"effects has {told(again[0])} twice: leave one out")
+        raise ValueError(
+            f"effects has the {again[0][0]} at {again[0][1] * length:g} m twice: leave one out"
+        )
     lines = [[effect[part] for part in LINE] for effect in told_effects]
     try:
         return ModalBridge(**table, effects=dict(zip(names, map(tuple, lines), strict=True)))
@@ -235,5 +240,5 @@ def _effect_name(i: int, effect: dict[str, Any], length: float) -> tuple[str, fl
 
 def _in_toml(message: str) -> str:
     """An error of the library with lists and tables as TOML has them."""
-    message = re.sub(r"\(([^()]*, [^()]*)\)", r"[\1]", message)
+    message = re.sub(r"\(([^() ]+, [^() ]+)\)", r"[\1]", message)
     return re.sub(r"\{[^}]*\}", lambda found: re.sub(r"'?(\w+)'?: ", r"\1 = ", found[0]), message)

@@ -80,7 +80,7 @@ def make_bridge(args: argparse.Namespace) -> bc.Beam | bc.Bridge | bc.ModalBridg
         return bridge_of_spans(given, damped_in_mode_1=args.length is not None)
     except (TypeError, ValueError) as error:
         options = "|".join((*OWN, "spans"))
-        text = re.sub(rf"\b({options})\b", lambda found: _option(found[1]), str(error))
+        text = re.sub(rf"^({options})\b", lambda found: _option(found[1]), str(error))
         raise ValueError(text) from None
 
 

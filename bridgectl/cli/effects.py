@@ -147,9 +147,9 @@ def _effect(text: str, recovery: str, bridge: BridgeModel) -> Effect:
     kind = EFFECTS.get(full.removeprefix(LEAST))
     if kind is None:
         names = [*EFFECTS, *ALIASES, *(f"{LEAST}{each}" for each in EFFECTS)]
-        near = get_close_matches(name, names, 1)
+        near, listed = get_close_matches(name, names, 1), ", ".join(names)
         raise ValueError(
-            f"--effect: there is no {name!r}: type {near[0] if near else f'one of {names}'}"
+            f"--effect: there is no {name!r}: type {near[0] if near else f'one of {listed}'}"
         )
     options: dict[str, Any] = {"recovery": recovery} if kind is bc.Moment else {}
     if full.startswith(LEAST):

@@ -184,12 +184,14 @@ def place_road(
         station = float(whole.x[0]) + args.approach
     station = station if args.station is None else args.station
     end = span + departure
+    of_thesis = args.length is args.spans is args.bridge is None
+    shorter = "--span" if of_thesis else "take a shorter bridge"
     first, last = float(whole.x[0]) + args.approach, float(whole.x[-1]) - end
     if not first - SAME_PLACE <= station <= last + SAME_PLACE:
         room = (
             f"--station must lie between {first:g} and {last:g} m"
             if first <= last
-            else f"{args.approach + end:g} m are needed: pass a smaller --approach or --span"
+            else f"{args.approach + end:g} m are needed: pass a smaller --approach or {shorter}"
         )
         after = f", {departure:g} m of departure" if departure else ""
         raise ValueError(
