@@ -158,7 +158,7 @@ def daf(
 ) -> FloatArray:
     """Dynamic amplification factor: the peak moment, or other effect, over its static peak.
 
-    The peak is that of the crossing of the bridge; the approach is on the way to it.
+    The peak is that on the bridge; the approach is on the way to it.
 
     Parameters
     ----------
@@ -294,8 +294,7 @@ def ramp_surface(
     Parameters
     ----------
     beam, vehicle, section, recovery, effect
-        See `daf`. Of an effect without a static peak, as an acceleration, "DAF" stands for its
-        peak in its own unit.
+        See `daf`. Of accelerations, which have no static peak, "DAF" stands for the peak [m/s^2].
     speeds : float or array_like
         Speeds c [m/s].
     approach : float, optional
@@ -359,6 +358,7 @@ def ramp_surface(
     _checks.choice("method", method, METHODS)
     _checks.flag("progress", progress)
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    require_factor(crossing, unless_none=True)
     grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every)
     judge_crossing(crossing, c)
     require_surface(crossing, c, grid.approach, grid.length, method)

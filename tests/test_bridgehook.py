@@ -182,9 +182,8 @@ def test_on_a_bridge_that_does_not_yield_velocities_tell_what_they_told_on_the_r
     rock = bc.Beam(25.0, 18358.0, 5e18, n_modes=1)
     crossing, nodes = bc.Crossing(rock, middle_truck), np.linspace(0, 25, 126)
     cells = build_cells(crossing, np.array([SPEED]), nodes, on_bridge=True)
-    gains = _expected(
-        crossing, cells.transitions()[0, :, : crossing.n_states, : crossing.n_states], np.diff(nodes) / SPEED
-    )
+    steps = cells.transitions()[0, :, : crossing.n_states, : crossing.n_states]
+    gains = _expected(crossing, steps, np.diff(nodes) / SPEED)
     # Displacements [m] per velocity [m/s]: up to 0.13 s.
     on_road = np.broadcast_to(gains[0, :4], gains[:, :4].shape)
     assert gains[:, :4] == pytest.approx(on_road, abs=1e-3)

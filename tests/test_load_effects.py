@@ -7,9 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers import rough_road
+from scipy.integrate import simpson
 
 import bridgectl as bc
-from bridgectl.dampers import passive, skyhook
+from bridgectl.dampers import (
+    bridgehook,
+    clairvoyant,
+    passive,
+    program_sensitivity,
+    simulate_loop,
+    skyhook,
+)
 from bridgectl.model.crossing import make_crossing
 
 VEHICLES = Path(__file__).parents[2] / "shared" / "reference" / "vehicles.json"
@@ -206,3 +214,88 @@ def test_surfaces_of_any_bridge_and_effect_come_back_from_files(truck, tmp_path)
     assert np.array_equal(loaded.daf_unit, surface.daf_unit)
     with pytest.raises(bc.SurfaceFileError, match="effect is Shear"):
         bc.load_surface(tmp_path / "surface.npz", effect=bc.Moment(12.0))
+
+
+# Nothing that is no factor is called one
+
+
+def test_what_would_be_a_factor_of_nothing_is_refused_everywhere(truck):
+    pier = bc.Bridge([25.0, 25.0], **SPAN, n_modes=4)
+    x = np.linspace(-5, 50, 111)
+    level = bc.RoadProfile(x, 0 * x)
+    hard = passive(1e3).c_max, 30e3
+    for ask in (
+        lambda: bc.daf(pier, truck, 25.0),
+        lambda: bc.ramp_surface(pier, truck, 25.0),
+        lambda: simulate_loop(pier, truck, passive(7e3), 25.0, x, 0 * x),
+        lambda: bc.daf(pier, truck, 25.0, damper=bridgehook(pier, truck, *hard)),
+        lambda: clairvoyant(pier, truck, 25.0, level, *hard),
+        lambda: bc.ramp_heights(pier, truck, passive(7e3), 25.0, 5.0),
+        lambda: program_sensitivity(pier, truck, 25.0, [0], [7e3], x, 0 * x),
+    ):
+        with pytest.raises(ValueError, match=r"is 0 N m: type another place or sense='smallest'"):
+            ask()
+    sagging = simulate_loop(
+        pier, truck, passive(7e3), 25.0, x, 0 * x, effect=bc.Moment(25.0, sense="smallest")
+    )
+    assert 1 < sagging.daf[0, 0] < 1.5
+
+
+# A bridge that twists, known by its modes
+
+
+@pytest.mark.parametrize("n_modes", [5, 41])
+def test_a_wheel_path_beside_the_axis_twists_the_bridge(truck, n_modes):
+    """Closed forms of bending and St. Venant torsion, w + e theta along a path e from the axis.
+
+    Deflection under a creeping truck at mid-span: W (l^3 / 48 E J + e^2 l / 4 G J_t), in modes.
+    """
+    length, mass, rigidity, polar, twisting, e = 25.0, 18358.0, 4.86535e10, 6e4, 2e10, 1.5
+    j = np.arange(1, n_modes + 1)
+    bending = (j * np.pi / length) ** 2 * np.sqrt(rigidity / mass)
+    torsion = j * np.pi / length * np.sqrt(twisting / polar)
+    x = np.linspace(0, length, 1001)
+    sines = np.sin(np.outer(x, j * np.pi / length))
+    half = length / 2 * np.ones(j.size)
+    twisted = bc.ModalBridge(
+        x, np.hstack([sines, e * sines]), np.concatenate([bending, torsion]) / (2 * np.pi),
+        modal_masses=np.concatenate([mass * half, polar * half]), damping_ratio=0.02,
+    )  # fmt: skip
+    weight = 98100.0
+    exact = weight * (length**3 / (48 * rigidity) + e**2 * length / (4 * twisting))
+    static = make_crossing(twisted, truck, bc.Deflection()).static_peak
+    # Modes carry 96 / pi^4 sum over odd j of j^-4 of bending, 8 / pi^2 sum of j^-2 of torsion.
+    bent, turned = (np.sum(j[::2] ** -power) for power in (4.0, 2.0))
+    missing = [1 - 96 / np.pi**4 * bent, 1 - 8 / np.pi**2 * turned]
+    parts = [weight * length**3 / (48 * rigidity), weight * e**2 * length / (4 * twisting)]
+    assert static == pytest.approx(exact - np.dot(missing, parts), rel=1e-8)
+    if n_modes == 5:
+        daf = bc.daf(twisted, truck, 0.5, effect=bc.Deflection())[0]
+        assert daf == pytest.approx(1, abs=1e-3)
+
+
+def test_the_work_of_the_tires_on_three_spans_is_energy_and_what_damping_took(truck):
+    three = bc.Bridge([20.0, 25.0, 15.0], **SPAN, n_modes=9, damping_ratio=0.02)
+    speed, road = 25.0, rough_road(7, -20, 61)
+    response = bc.crossing_response(three, truck, speed, road, start=-20, tail=0.5)
+    time, states = response.time, np.asarray(response.states)[4:]
+    q, rates, mass = states[::2], states[1::2], three.modal_masses
+    shapes = three.mode_shapes(speed * time)
+    power = response.outputs["tire_force"] * np.einsum("mj,jm->m", shapes, rates)
+    damping = 2 * three.damping_ratios * three.omega * mass
+    losses = np.einsum("j,jm->m", damping, rates**2)
+    energy = (mass / 2 * (rates[:, -1] ** 2 + (three.omega * q[:, -1]) ** 2)).sum()
+    assert simpson(power, x=time) == pytest.approx(energy + simpson(losses, x=time), rel=1e-6)
+
+
+def test_a_score_is_of_the_effect_that_is_asked_for(truck, two_spans, tmp_path):
+    hogging, roads = bc.Moment(25.0, sense="smallest"), [rough_road(s, -20, 46) for s in (1, 2)]
+    asked = {"approach": 20, "workers": 1, "progress": False, "resume": tmp_path / "score.jsonl"}
+    case = [passive(7e3)], two_spans, truck, roads, SPEEDS
+    board = bc.score(*case, effect=hogging, **asked)
+    alone = [bc.daf(two_spans, truck, SPEEDS, road, start=-20, effect=hogging) for road in roads]
+    assert board.values["daf"][0] == pytest.approx(np.array(alone), abs=2e-5)
+    with pytest.raises(ValueError, match=r"score\.jsonl"):
+        bc.score(*case, effect=bc.Shear(10.0), **asked)
+    again = bc.score(*case, effect=hogging, **asked)
+    assert np.array_equal(again.values["daf"], board.values["daf"])

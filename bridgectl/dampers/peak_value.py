@@ -46,7 +46,7 @@ from bridgectl.linear.cells import SAMPLES
 from bridgectl.linear.prediction import Prediction
 from bridgectl.linear.runs import effect_samples
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
@@ -106,32 +106,12 @@ def peak_value(
     sharpness: float = SHARPNESS,
     yield_speed: float = YIELD_SPEED,
 ) -> PeakValue:
-    """Return what a damper force is worth before the peak moment.
+    """Return what a damper force is worth before the peak moment, at a speed [m/s].
 
-    Parameters
-    ----------
-    beam, vehicle, section, effect
-        See `bridgectl.daf`.
-    speed : float
-        Speed c [m/s].
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
-    reach : float, optional
-        Length of the approach that is looked at [m].
-    sharpness, yield_speed : float, optional
-        beta and v_0 [m/s] of the formulas above.
+    The damping is kept from `c_min` to `c_max` [N s/m]; `reach` is the length of the approach that
+    is looked at [m]; `sharpness` and `yield_speed` [m/s] are beta and v_0 of the formulas above.
+    The others are those of `bridgectl.daf`.
 
-    Returns
-    -------
-    PeakValue
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not what is described above.
-
-    Examples
-    --------
     >>> import bridgectl as bc
     >>> from bridgectl.dampers.peak_value import peak_value
     >>> found = peak_value(bc.li2006.beam(), bc.li2006.car(), 25.0, 1e3, 30e3)
@@ -143,6 +123,7 @@ def peak_value(
     curvature = (stiff - soft) / 2 / check.positive("yield_speed", yield_speed, unit="m/s")
     car = replace(bare_vehicle(vehicle), damping=(soft + stiff) / 2)
     crossing, c = make_crossing(beam, car, effect, section), Motion(speed).speed
+    require_factor(crossing)
     judge_crossing(crossing, c)
     before = check.not_negative("reach", reach, unit="m")
     known, bridge = smooth_crossing(crossing, c, before)

@@ -45,7 +45,7 @@ from bridgectl.dampers.loop.work import require_loop
 from bridgectl.dampers.program import program
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road.elevations import drops_of
@@ -129,6 +129,7 @@ def program_sensitivity(
     """
     law = program(positions, dampings, shape="lines")
     crossing = make_crossing(beam, bare_vehicle(vehicle), "moment", section, recovery)
+    require_factor(crossing)
     x, z = checked_roads(beam, stations, elevations)
     speeds = np.array([Motion(speed).speed])
     judge_crossing(crossing, speeds[0])

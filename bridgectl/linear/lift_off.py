@@ -53,18 +53,11 @@ class LiftOffWarning(UserWarning):
 
 
 class Flight(NamedTuple):
-    """A crossing with tires kept from pulling, its nodes with the events among them.
+    """A crossing with tires kept from pulling, its nodes [m] (m,) with the events among them.
 
-    Attributes
-    ----------
-    nodes : ndarray, shape (m,)
-        Positions of the reference tire [m].
-    states, forces : ndarray, shapes (n, m) and (n_tires, m)
-        States and tire forces [N] at the nodes.
-    stage_forces : ndarray, shape (m - 1, N_STAGES, n_tires)
-        Tire forces at the stages of the cells [N].
-    effects : ndarray, shape (6 (m - 1) + 1,)
-        The crossing's effect at `bridgectl.linear.cells.sample_positions` of the nodes.
+    States (n, m) and tire forces [N] (n_tires, m) are those at the nodes, the forces at stages
+    (m - 1, N_STAGES, n_tires), the crossing's effect (6 (m - 1) + 1,) that at
+    `bridgectl.linear.cells.sample_positions` of the nodes.
     """
 
     nodes: FloatArray
@@ -166,7 +159,7 @@ class _Stretch:
         crossing, vehicle = self.run.crossing, self.run.crossing.linear
         x, width = self.nodes[cell], self.nodes[cell + 1] - self.nodes[cell]
         duration = np.array([[width / self.speed]])
-        forces, surface = self.stages[cell]
+        surface = self.stages[cell, 1]
         start, n = self.states[cell], crossing.n_vehicle
         free, held = (
             of[0, 0] for of in hold_responses(
@@ -179,9 +172,7 @@ class _Stretch:
             states[:, n:] = self._modes_within(cell, fractions, duration)
         return states, _would_be(crossing, places, states, self.run.road(places))
 
-    def _modes_within(
-        self, cell: int, fractions: FloatArray, duration: FloatArray
-    ) -> FloatArray:
+    def _modes_within(self, cell: int, fractions: FloatArray, duration: FloatArray) -> FloatArray:
         """States of the modes at fractions of a cell."""
         crossing, ends = self.run.crossing, self.nodes[cell : cell + 2]
         forces = self.stages[np.newaxis, cell : cell + 1, 0]
@@ -195,20 +186,9 @@ class _Stretch:
 
 
 def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
-    """Simulate a crossing with its tires kept from pulling, R >= 0.
+    """Simulate a crossing at a speed [m/s] with its tires kept from pulling, R >= 0.
 
-    Parameters
-    ----------
-    run : Run
-        The crossing; its vehicle starts in equilibrium on a level road.
-    speed : float
-        Speed [m/s].
-    nodes : ndarray
-        Nodes of the cells [m], the kinks among them.
-
-    Returns
-    -------
-    Flight
+    Its vehicle starts in equilibrium on a level road. The nodes of the cells [m] hold all kinks.
     """
     loads = run.crossing.linear.static_loads
     touching, turned, count = np.ones(len(loads), dtype=bool), False, FEWEST_CELLS
@@ -232,7 +212,9 @@ def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
             touching[turning] = not touching[turning]
             turned, count = True, FEWEST_CELLS
         x, state = parts[-1].ends[-1], parts[-1].states[-1]
-    ends, states, forces, stage_forces, inner = (np.concatenate(of) for of in zip(*parts, strict=True))
+    ends, states, forces, stage_forces, inner = (
+        np.concatenate(of) for of in zip(*parts, strict=True)
+    )
     ends, forces = np.append(nodes[0], ends), np.vstack([loads, forces])
     states = np.vstack([np.zeros(run.crossing.n_states), states])
     at_nodes = run.crossing.values(ends, states, forces)

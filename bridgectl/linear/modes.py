@@ -19,7 +19,7 @@ from bridgectl.model.bridge import BridgeModel
 
 ComplexArray = NDArray[np.complex128]
 
-SLOW = 0.5
+SLOW = 1.0
 """Phase of a cell w h [rad] up to which the power series is used."""
 
 N_TERMS = 18
@@ -93,7 +93,7 @@ def _phases(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Phase w h [rad], damping ratio and duration [s] of each cell and mode, (S, U, modes)."""
     # A cell cut at a place within round-off of its end has no duration.
-    duration = np.repeat(np.maximum(durations, 1e-15)[..., np.newaxis], bridge.n_modes, axis=-1)
+    duration = np.repeat(np.maximum(durations, 1e-20)[..., np.newaxis], bridge.n_modes, axis=-1)
     phase = duration * bridge.omega
     return phase, np.broadcast_to(bridge.damping_ratios, phase.shape), duration
 

@@ -18,7 +18,7 @@ _FINE = np.linspace(0.0, 1.0, 33)
 # Values on the fine grid of the polynomial through a cell's samples and its end.
 _TO_FINE = np.vander(_FINE, len(_KNOTS)) @ _TO_POLYNOMIAL
 
-FINE_PHASE = 0.6
+FINE_PHASE = 0.4
 """Phase of what rings between such values [rad]: a parabola then finds the peak of it."""
 
 
@@ -69,20 +69,11 @@ class Peaks(NamedTuple):
 
 
 def find_peaks(histories: FloatArray, ringing: Ringing | None = None) -> Peaks:
-    """Find the largest value of each history, between the samples too.
+    """Find the largest value of each history, (6 n_cells + 1, n_histories), between samples too.
 
-    A history may have kinks at the nodes. Within a cell the polynomial through seven samples
-    stands for it, or for what it is beyond its `ringing`.
-
-    Parameters
-    ----------
-    histories : ndarray, shape (6 n_cells + 1, n_histories)
-        Values at `bridgectl.linear.cells.sample_positions`.
-
-    Returns
-    -------
-    Peaks
-        Arrays of shape (n_histories,).
+    They are values at `bridgectl.linear.cells.sample_positions`. A history may have kinks at the
+    nodes. Within a cell the polynomial through its seven samples stands for it, or for what it is
+    beyond its `ringing`.
     """
     # Within the margin of the largest sample another cell may hold the peak.
     enough = histories.max(axis=0) - _room(histories, ringing)
@@ -107,14 +98,9 @@ def find_peaks(histories: FloatArray, ringing: Ringing | None = None) -> Peaks:
 
 
 def raise_peaks(best: FloatArray, histories: FloatArray, ringing: Ringing | None = None) -> None:
-    """Raise the largest values known of some histories by what a further stretch of them has.
+    """Raise, in place, the largest values of histories so far by those of a further stretch.
 
-    Parameters
-    ----------
-    best : ndarray, shape (n_histories,)
-        Largest values so far, changed in place.
-    histories, ringing
-        As in `find_peaks`, of one ringing for all.
+    Shapes (n_histories,) and, as in `find_peaks`, (6 n_cells + 1, n_histories); all ring alike.
     """
     columns = np.nonzero(histories.max(axis=0) + _room(histories, ringing) >= best)[0]
     if columns.size:
@@ -154,12 +140,14 @@ def _peaks_of_cells(
 ) -> tuple[FloatArray, FloatArray]:
     """Peak and its place in [0, 1] of one cell (n,) of each history, with its samples (7, n)."""
     grid, fine = _FINE, _TO_FINE @ samples
+    tops = fine
     if ringing is not None:
         n_fine = max(len(_FINE), int(np.abs(ringing.exponents).max() / FINE_PHASE) + 2)
         grid, beyond = np.linspace(0.0, 1.0, n_fine), ringing.values(_KNOTS, cells, columns)
         fine = np.vander(grid, len(_KNOTS)) @ (_TO_POLYNOMIAL @ (samples - beyond))
         fine += ringing.values(grid, cells, columns)
-    top, each = fine.argmax(axis=0), np.arange(samples.shape[1])
+        tops = _raised(fine)
+    top, each = tops.argmax(axis=0), np.arange(samples.shape[1])
     inner = np.clip(top, 1, len(grid) - 2)
     before, at, after = (fine[inner + shift, each] for shift in (-1, 0, 1))
     bend = before - 2 * at + after
@@ -169,3 +157,12 @@ def _peaks_of_cells(
     shift = np.where(inside, shift, top - inner)
     values = np.where(inside, at - (before - after) * shift / 4, fine[top, each])
     return values, (inner + shift) * grid[1]
+
+
+def _raised(fine: FloatArray) -> FloatArray:
+    """Values, and where a parabola through three of them has its top between, that."""
+    tops, slope = fine.copy(), (fine[2:] - fine[:-2]) / 2
+    bend = fine[2:] - 2 * fine[1:-1] + fine[:-2]
+    peak = np.abs(slope) < -bend
+    tops[1:-1][peak] -= slope[peak] ** 2 / bend[peak] / 2
+    return tops

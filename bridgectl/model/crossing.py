@@ -326,13 +326,15 @@ def make_crossing(
     return Crossing(beam, vehicle, as_effect(effect, beam, vehicle.linear, section, recovery))
 
 
-def require_factor(crossing: Crossing) -> None:
-    """Refuse an effect whose static peak is nothing: what is over it would be no factor."""
-    if crossing.static_peak == 0:
+def require_factor(crossing: Crossing, *, unless_none: bool = False) -> None:
+    """Refuse an effect whose static peak is nothing, unless no effect of its kind has one."""
+    if crossing.static_peak == 0 and (crossing.effect.has_static or not unless_none):
         effect = crossing.effect
+        other = next(sense for sense in SENSES if sense != effect.sense)
         raise ValueError(
             f"effect must have a static peak for a factor, and the {effect.sense} static "
-            f"{effect.label} of {effect!r} is 0 {effect.unit}: type peak_effect(...) for its peak"
+            f"{effect.label} of {effect!r} is 0 {effect.unit}: type another place or "
+            f"sense={other!r}, or peak_effect(...) for its peak"
         )
 
 

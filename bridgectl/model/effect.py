@@ -43,6 +43,8 @@ class Effect(ABC):
     """A load effect; of its peaks the largest count, or the smallest."""
 
     sense: str = field(default="largest", kw_only=True)
+    has_static: ClassVar[bool] = True
+    """Whether static loads give it any value."""
     unit: ClassVar[str]
     label: ClassVar[str]
 
@@ -117,9 +119,9 @@ class Effect(ABC):
         float
             In the effect's unit [N m, m or N].
         """
-        values = self._static_values(bridge, vehicle)
-        if not values.size:
+        if not self.has_static:
             return 0.0
+        values = self._static_values(bridge, vehicle)
         peak = float(values.max() if self.sense == "largest" else values.min())
         return peak if abs(peak) > NO_FACTOR * np.abs(values).max() else 0.0
 
@@ -133,6 +135,6 @@ class Effect(ABC):
     def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
         """See `rows`."""
 
-    @abstractmethod
     def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        """Values as the vehicle creeps across; none of what static loads do not give."""
+        """Values as the vehicle creeps across, of what static loads give any."""
+        raise NotImplementedError

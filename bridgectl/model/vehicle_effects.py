@@ -88,6 +88,7 @@ class BodyAcceleration(Effect):
     """
 
     coordinate: int = 1
+    has_static: ClassVar[bool] = False
     unit: ClassVar[str] = "m/s^2"
     label: ClassVar[str] = "acceleration"
 
@@ -107,6 +108,3 @@ class BodyAcceleration(Effect):
         constant = -float(per_force @ vehicle.static_loads)
         per_state = np.append(own, np.zeros(2 * bridge.n_modes))
         return EffectRows(np.zeros_like(tires) + per_force, per_state, constant)
-
-    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        return np.zeros(0)

@@ -16,7 +16,7 @@ from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
 from bridgectl.dampers.loop.closed_loop import simulate_loop
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.crossing import Crossing, require_factor
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.simulate import ramp_surface
 from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH
@@ -148,7 +148,9 @@ def ramp_heights(
     velocity = check.positive("speed", speed, unit="m/s")
     before = check.not_negative("approach", approach, unit="m")
     device, car = as_damper(damper), bare_vehicle(vehicle)
-    judge_crossing(Crossing(beam, car), velocity)
+    crossing = Crossing(beam, car)
+    require_factor(crossing)
+    judge_crossing(crossing, velocity)
     judge_range(car, device)
     ramp = _ramp_at(place, before, beam.length)
     reach = check.positive("largest", largest, unit="m")

@@ -19,7 +19,8 @@ from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.crossing import Crossing, make_crossing, require_factor
+from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road.limits import first_too_steep, require_gentle
 
@@ -35,14 +36,15 @@ def simulate_loop(
     *,
     section: float = 0.5,
     recovery: str = "exact",
+    effect: Effect | str = "moment",
     record: Iterable[str] = (),
 ) -> LoopResult:
     """Simulate crossings with a semi-active damper in place of the passive one.
 
     Parameters
     ----------
-    beam, section, recovery
-        See `bridgectl.Crossing`.
+    beam, section, recovery, effect
+        See `bridgectl.daf`.
     vehicle : QuarterCar
         The vehicle; its passive damper is taken out.
     damper : Damper or Strategy
@@ -76,7 +78,8 @@ def simulate_loop(
     >>> bool(abs(result.daf[0, 0] - bc.daf(bc.li2006.beam(), bc.li2006.car(), 30.0)[0]) < 1e-5)
     True
     """
-    crossing = make_crossing(beam, bare_vehicle(vehicle), "moment", section, recovery)
+    crossing = make_crossing(beam, bare_vehicle(vehicle), effect, section, recovery)
+    require_factor(crossing)
     device = as_damper(damper)
     c = check.speeds(speeds)
     x, z = checked_roads(beam, stations, elevations)

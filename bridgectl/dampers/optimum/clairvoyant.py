@@ -39,7 +39,7 @@ from bridgectl.dampers.strategy import Strategy, damping_bounds
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import prepare
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
@@ -195,6 +195,7 @@ def clairvoyant(
     require_road(road)
     soft, stiff = damping_bounds(c_min, c_max)
     crossing, c = make_crossing(beam, bare, effect, section, recovery), Motion(speed).speed
+    require_factor(crossing)
     run, speeds = prepare(crossing, road, start), np.array([c])
     judge_crossing(crossing, c, road)
     held = check.positive("step", step, unit="s")
