@@ -8,11 +8,16 @@ import bridgectl as bc
 from bridgectl.linear import runs
 from bridgectl.linear.cells import (
     FORCE_POINTS,
-    hold_responses,
-    mode_matrices,
     sample_positions,
 )
-from bridgectl.linear.modes import SLOW, mode_responses, rates, ringing
+from bridgectl.linear.modes import (
+    SLOW,
+    hold_responses,
+    mode_matrices,
+    mode_responses,
+    rates,
+    ringing,
+)
 from bridgectl.linear.peaks import Ringing, find_peaks
 from bridgectl.linear.response import linear_dafs
 
@@ -30,7 +35,7 @@ def test_responses_in_closed_form_are_those_of_matrix_exponentials(phase, dampin
     found = mode_responses(beam, durations, FORCE_POINTS, POINTS)
     free, held = hold_responses(*mode_matrices(crossing, 2), durations, FORCE_POINTS, POINTS)
     for given, expected in zip(found, (free, held[..., 0]), strict=True):
-        scale = np.abs(expected).max(axis=(0, 1, 2, 3, -1), keepdims=True) + 1e-20
+        scale = np.abs(expected).max(axis=(0, 1, 2, 3, -1), keepdims=True) + 1e-12
         assert given / scale == pytest.approx(expected / scale, abs=1e-11)
 
 
@@ -114,7 +119,7 @@ def test_a_flight_of_many_modes_has_the_peak_of_short_cells(monkeypatch, truck):
         expected = converged(monkeypatch, bc.Crossing(beam, truck), 10.0, road, -20.0)
     with pytest.warns(bc.LiftOffWarning):
         found = bc.daf(beam, truck, 10.0, road, start=-20)
-    assert found == pytest.approx(expected, abs=2e-6)
+    assert found == pytest.approx(expected, abs=3e-6)
 
 
 def test_a_surface_of_many_modes_has_the_smooth_daf_and_ramps_to_1e_5(truck):

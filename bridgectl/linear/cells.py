@@ -26,11 +26,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
-from bridgectl.linear.modes import mode_responses
+from bridgectl.linear.modes import hold_responses, mode_responses
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.vehicle import Vehicle
 
@@ -221,7 +220,9 @@ def build_cells(
         n_modes, map_of, kind_of_map = 0, kind, np.arange(len(widths))
         starts, steps = np.zeros((2, len(widths), 1))
     durations = widths / speeds[:, np.newaxis]
-    free_vehicle, held_vehicle = hold_responses(*vehicle_matrices(vehicle, contact), durations)
+    free_vehicle, held_vehicle = hold_responses(
+        *vehicle_matrices(vehicle, contact), durations, GAUSS, _POINTS
+    )
     held_vehicle = held_vehicle.reshape(*free_vehicle.shape[:-1], -1)
     rows = crossing.rows(starts + steps * SAMPLES[1:])
     of_vehicle = rows.per_state[:n]
@@ -254,14 +255,6 @@ def build_cells(
         nodes, kind, map_of, free, gains, to_stages, np.concatenate(per_state, axis=-1),
         rows.constant,
     )  # fmt: skip
-
-
-def mode_matrices(crossing: Crossing, n_modes: int) -> tuple[FloatArray, FloatArray]:
-    """State and input matrices of the modes on their own, shapes (modes, 2, 2), (modes, 2, 1)."""
-    own = 2 * np.arange(n_modes)[:, np.newaxis] + np.arange(2)
-    matrices = crossing.modal_matrix[own[:, :, np.newaxis], own[:, np.newaxis, :]]
-    gains = crossing.modal_input[own, np.arange(n_modes)[:, np.newaxis]]
-    return matrices, gains[..., np.newaxis]
 
 
 def vehicle_matrices(vehicle: Vehicle, contact: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
@@ -390,33 +383,3 @@ def _solve_stages(
     np.matmul(compliance, forces, out=surface)
     surface[..., n:] += given
     return stages
-
-
-def hold_responses(
-    matrix: FloatArray,
-    inputs: FloatArray,
-    durations: FloatArray,
-    stages: FloatArray = GAUSS,
-    points: FloatArray = _POINTS,
-) -> tuple[FloatArray, FloatArray]:
-    """Responses of x' = A x + B u at points of cells, exactly, to states and inputs.
-
-    A and B have the shapes (..., n, n) and (..., n, m), the durations of the cells [s] (S, U). The
-    input is the polynomial through its values at the q `stages`; the states are asked for at the p
-    `points`, both fractions of a cell: (S, U, ..., p, n, n) and (S, U, ..., p, n, q, m).
-    """
-    n, m = inputs.shape[-2:]
-    batch, n_stages = matrix.shape[:-2], len(stages)
-    size = n + n_stages * m
-    scaled = durations.reshape(*durations.shape, *(1,) * (len(batch) + 2))
-    # A chain of integrators drives the system with the powers s^p / p! of the time in cells.
-    chain = np.zeros((*durations.shape, *batch, size, size))
-    chain[..., :n, :n] = matrix * scaled
-    chain[..., :n, n : n + m] = inputs * scaled
-    upper = np.arange(n, size - m)
-    chain[..., upper, upper + m] = 1.0
-    response = expm(chain[..., np.newaxis, :, :] * points[:, np.newaxis, np.newaxis])
-    powers = response[..., :n, n:].reshape(*response.shape[:-2], n, n_stages, m)
-    factorials = np.cumprod([1.0, *range(1, n_stages)])
-    lagrange = factorials[:, np.newaxis] * np.linalg.inv(np.vander(stages, increasing=True))
-    return response[..., :n, :n], np.einsum("...ipm,pn->...inm", powers, lagrange)

@@ -25,13 +25,12 @@ from bridgectl.linear.cells import (
     SAMPLES,
     bridge_entry,
     build_cells,
-    hold_responses,
     modal_forces,
     parabola,
     road_rows,
     vehicle_matrices,
 )
-from bridgectl.linear.modes import mode_responses
+from bridgectl.linear.modes import hold_responses, mode_responses
 from bridgectl.linear.runs import LIFT_OFF, Run
 from bridgectl.model.crossing import Crossing
 

@@ -13,9 +13,11 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
 from bridgectl.model.bridge import BridgeModel
+from bridgectl.model.crossing import Crossing
 
 ComplexArray = NDArray[np.complex128]
 
@@ -79,7 +81,8 @@ def ringing(
     turn = -1j / rate.imag
     from_states = np.column_stack([1 - turn * rate.real, turn])[:, np.newaxis]
     from_forces = -(from_states @ rest[..., 0, :, :])[..., 0, :]
-    return np.broadcast_to(from_states[:, 0], (*phase.shape, 2)), from_forces
+    of_states = np.broadcast_to(from_states[:, 0], (*phase.shape, 2))
+    return of_states, np.asarray(from_forces, dtype=complex)
 
 
 def rates(bridge: BridgeModel) -> ComplexArray:
@@ -149,3 +152,41 @@ def _states(series: FloatArray, points: FloatArray, duration: FloatArray) -> Flo
     orders = np.arange(1, series.shape[-2])[:, np.newaxis]
     rates = powers[:, :-1] @ (orders * series[..., 1:, :]) / duration[..., np.newaxis, np.newaxis]
     return np.stack([values, rates], axis=-2)
+
+
+def mode_matrices(crossing: Crossing, n_modes: int) -> tuple[FloatArray, FloatArray]:
+    """State and input matrices of the modes on their own, shapes (modes, 2, 2), (modes, 2, 1)."""
+    own = 2 * np.arange(n_modes)[:, np.newaxis] + np.arange(2)
+    matrices = crossing.modal_matrix[own[:, :, np.newaxis], own[:, np.newaxis, :]]
+    gains = crossing.modal_input[own, np.arange(n_modes)[:, np.newaxis]]
+    return matrices, gains[..., np.newaxis]
+
+
+def hold_responses(
+    matrix: FloatArray,
+    inputs: FloatArray,
+    durations: FloatArray,
+    stages: FloatArray,
+    points: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Responses of x' = A x + B u at points of cells, exactly, to states and inputs.
+
+    A and B have the shapes (..., n, n) and (..., n, m), the durations of the cells [s] (S, U). The
+    input is the polynomial through its values at the q `stages`; the states are asked for at the p
+    `points`, both fractions of a cell: (S, U, ..., p, n, n) and (S, U, ..., p, n, q, m).
+    """
+    n, m = inputs.shape[-2:]
+    batch, n_stages = matrix.shape[:-2], len(stages)
+    size = n + n_stages * m
+    scaled = durations.reshape(*durations.shape, *(1,) * (len(batch) + 2))
+    # A chain of integrators drives the system with the powers s^p / p! of the time in cells.
+    chain = np.zeros((*durations.shape, *batch, size, size))
+    chain[..., :n, :n] = matrix * scaled
+    chain[..., :n, n : n + m] = inputs * scaled
+    upper = np.arange(n, size - m)
+    chain[..., upper, upper + m] = 1.0
+    response = expm(chain[..., np.newaxis, :, :] * points[:, np.newaxis, np.newaxis])
+    powers = response[..., :n, n:].reshape(*response.shape[:-2], n, n_stages, m)
+    factorials = np.cumprod([1.0, *range(1, n_stages)])
+    lagrange = factorials[:, np.newaxis] * np.linalg.inv(np.vander(stages, increasing=True))
+    return response[..., :n, :n], np.einsum("...ipm,pn->...inm", powers, lagrange)

@@ -69,8 +69,8 @@ def cell_nodes(crossing: Crossing, speed: float, kinks: FloatArray, refine: int 
     if pieces.sum() > MOST_CELLS:
         raise ValueError(
             f"the crossing at {speed:g} m/s needs {pieces.sum():.3g} cells of {on_bridge:.2g} m, "
-            f"more than {MOST_CELLS:.0f}: the vehicle's fastest motion is at {fastest:.3g} rad/s (check "
-            f"stiffnesses, damping and masses), the beam's at {highest:.3g} rad/s "
+            f"more than {MOST_CELLS:.0f}: the vehicle's fastest motion is at {fastest:.3g} rad/s "
+            f"(check stiffnesses, damping and masses), the beam's at {highest:.3g} rad/s "
             "(type a smaller n_modes)"
         )
     pieces = pieces.astype(int)

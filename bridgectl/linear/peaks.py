@@ -139,13 +139,15 @@ def _peaks_of_cells(
     columns: NDArray[np.intp],
 ) -> tuple[FloatArray, FloatArray]:
     """Peak and its place in [0, 1] of one cell (n,) of each history, with its samples (7, n)."""
-    grid, fine = _FINE, _TO_FINE @ samples
+    grid: FloatArray = _FINE
+    fine: FloatArray = np.asarray(_TO_FINE @ samples)
     tops = fine
     if ringing is not None:
         n_fine = max(len(_FINE), int(np.abs(ringing.exponents).max() / FINE_PHASE) + 2)
-        grid, beyond = np.linspace(0.0, 1.0, n_fine), ringing.values(_KNOTS, cells, columns)
-        fine = np.vander(grid, len(_KNOTS)) @ (_TO_POLYNOMIAL @ (samples - beyond))
-        fine += ringing.values(grid, cells, columns)
+        grid = np.asarray(np.linspace(0.0, 1.0, n_fine), dtype=np.float64)
+        beyond = ringing.values(_KNOTS, cells, columns)
+        smooth = np.vander(grid, len(_KNOTS)) @ (_TO_POLYNOMIAL @ (samples - beyond))
+        fine = np.asarray(smooth + ringing.values(grid, cells, columns))
         tops = _raised(fine)
     top, each = tops.argmax(axis=0), np.arange(samples.shape[1])
     inner = np.clip(top, 1, len(grid) - 2)

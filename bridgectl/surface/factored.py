@@ -9,7 +9,9 @@ moment is a row times those states.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from copy import copy
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,9 +47,15 @@ class FactoredHistories:
     """Moment at its samples, the last being the next one's first, from states, (S, B, T + 1, n)."""
     direct: FloatArray
     """And from its ramps, (S, B, T + 1, L)."""
-    rings: Ringing | None = None
-    """What rings on a smooth road faster than samples tell. What a ramp adds is left out: 1e-5 of
-    the load's effect for one of 1 mm, on a beam of 20 modes."""
+    rings: ClassVar[Ringing | None] = None
+    """What rings on a smooth road faster than samples tell; files leave it out. So is what a ramp
+    adds: 1e-5 of the load's effect for one of 1 mm, on a beam of 20 modes."""
+
+    def with_ringing(self, rings: Ringing | None) -> FactoredHistories:
+        """Return the histories with what rings in them."""
+        found = copy(self)
+        object.__setattr__(found, "rings", rings)
+        return found
 
     def ringing(self, speed: int, cells: slice = ALL) -> Ringing | None:
         """See `bridgectl.surface.histories.Histories.ringing`, in some cells."""
@@ -81,7 +89,7 @@ class FactoredHistories:
         tops = np.maximum.reduceat(smooth, starts)
         tops[:-1] = np.maximum(tops[:-1], smooth[starts[1:]])
         tops[-1] = max(tops[-1], smooth[-1])
-        for block in np.nonzero(tops + room[: len(starts)] >= best.min())[0]:
+        for block in np.nonzero(tops + room[: len(starts)] >= best.min())[0].tolist():
             samples = smooth[block * per_block : (block + 1) * per_block + 1]
             high = np.nonzero(samples + room[block] >= best.min())[0]
             if high.size:

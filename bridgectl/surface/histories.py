@@ -152,10 +152,10 @@ def factor_histories(
     )
     n_samples = len(SAMPLES) * n_cells + 1
     smooth = np.array([joined(blocks)[:n_samples] for blocks in smooth])
-    return FactoredHistories(
-        nodes[: n_cells + 1], smooth, entries, local, carried, added, rows, direct,
-        _of_all_speeds(rings),
-    )  # fmt: skip
+    histories = FactoredHistories(
+        nodes[: n_cells + 1], smooth, entries, local, carried, added, rows, direct
+    )
+    return histories.with_ringing(_of_all_speeds(rings))
 
 
 def _of_all_speeds(rings: list[Ringing | None]) -> Ringing | None:

@@ -9,11 +9,13 @@ for library in ("OPENBLAS", "OMP", "MKL"):  # before numpy starts its threads
     os.environ[f"{library}_NUM_THREADS"] = "1"
 
 
-def timed(call, repeats=3):
-    """Best wall time of some calls [s]."""
+def timed(call, repeats=3, clock=time.perf_counter, warm=False):
+    """Best time of some calls by a clock [s], after one more if it is to be warm."""
     best = float("inf")
-    for _ in range(repeats):
-        start = time.perf_counter()
+    if warm:
         call()
-        best = min(best, time.perf_counter() - start)
+    for _ in range(repeats):
+        start = clock()
+        call()
+        best = min(best, clock() - start)
     return best

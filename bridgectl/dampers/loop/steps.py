@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
-from bridgectl.linear.cells import hold_responses, mode_matrices
+from bridgectl.linear.modes import hold_responses, mode_matrices
 from bridgectl.model.crossing import Crossing
 
 STAGES = (np.polynomial.legendre.leggauss(2)[0] + 1) / 2
