@@ -18,8 +18,8 @@ _FINE = np.linspace(0.0, 1.0, 33)
 # Values on the fine grid of the polynomial through a cell's samples and its end.
 _TO_FINE = np.vander(_FINE, len(_KNOTS)) @ _TO_POLYNOMIAL
 
-FINE_PHASE = 0.4
-"""Phase of what rings between such values [rad]: a parabola then finds the peak of it."""
+FINE_PHASE = 0.6
+"""Phase of what rings between such values [rad]: parabolas then find 0.997 of its peak."""
 
 
 class Ringing(NamedTuple):

@@ -1,7 +1,8 @@
 """Print how the cost of linear crossings grows with modes, speeds and flights, as ratios.
 
-Run ``pytest -n 0 -s tests/benchmarks/test_modes.py`` from the top of the repository. Process time
-of one thread, best of several; nothing is asserted of it, for machines differ.
+Run ``PYTHONPATH=tests/benchmarks pytest -n 0 -s tests/benchmarks/test_modes.py`` from the top of
+the repository. Process time of one thread, best of several; nothing is asserted of it, for machines
+differ.
 """
 
 from __future__ import annotations
@@ -15,10 +16,12 @@ import numpy as np
 import pytest
 
 import bridgectl as bc
+from bridgectl._threads import on_one_thread
 
 SPEEDS = np.linspace(50, 150, 21) / 3.6
 
 
+@on_one_thread
 def cost(call, repeats=4):
     """Best process time of some calls, after one that warms up [ms]."""
     return 1e3 * timing.timed(call, repeats, clock=time.process_time, warm=True)
