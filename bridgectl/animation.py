@@ -113,17 +113,9 @@ def _drawn(
     signal = dict(zip(response.output_labels, outputs, strict=True))
     x, modes = response.time * speed, states[crossing.n_vehicle :: 2].T
     weight, stiffness = crossing.linear.static_loads[0], crossing.linear.tire_stiffnesses[0]
-    force, line = signal["tire_force"], crossing.beam.influence_line
+    moment, force, beam = signal["moment"], signal["tire_force"], crossing.beam
+    static = beam.influence_line(x) / beam.influence_line(crossing.section * beam.length)
+    squeeze, travel = (force - weight) / stiffness, signal["y_s"] - signal["y_t"]
     return DrawnCrossing(
-        crossing.beam,
-        speed,
-        profile,
-        start,
-        x,
-        signal["moment"],
-        line(x) / line(crossing.section * crossing.beam.length),
-        force / weight,
-        (force - weight) / stiffness,
-        signal["y_s"] - signal["y_t"],
-        modes,
+        beam, speed, profile, start, x, moment, static, force / weight, squeeze, travel, modes
     )
