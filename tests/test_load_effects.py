@@ -286,3 +286,16 @@ def test_the_work_of_the_tires_on_three_spans_is_energy_and_what_damping_took(tr
     losses = np.einsum("j,jm->m", damping, rates**2)
     energy = (mass / 2 * (rates[:, -1] ** 2 + (three.omega * q[:, -1]) ** 2)).sum()
     assert simpson(power, x=time) == pytest.approx(energy + simpson(losses, x=time), rel=1e-6)
+
+
+def test_a_score_is_of_the_effect_that_is_asked_for(truck, two_spans, tmp_path):
+    hogging, roads = bc.Moment(25.0, sense="smallest"), [rough_road(s, -20, 46) for s in (1, 2)]
+    asked = {"approach": 20, "workers": 1, "progress": False, "resume": tmp_path / "score.jsonl"}
+    case = [passive(7e3)], two_spans, truck, roads, SPEEDS
+    board = bc.score(*case, effect=hogging, **asked)
+    alone = [bc.daf(two_spans, truck, SPEEDS, road, start=-20, effect=hogging) for road in roads]
+    assert board.values["daf"][0] == pytest.approx(np.array(alone), abs=2e-5)
+    with pytest.raises(ValueError, match=r"score\.jsonl"):
+        bc.score(*case, effect=bc.Shear(10.0), **asked)
+    again = bc.score(*case, effect=hogging, **asked)
+    assert np.array_equal(again.values["daf"], board.values["daf"])
