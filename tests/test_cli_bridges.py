@@ -470,7 +470,7 @@ def test_what_is_no_factor_is_told_with_its_unit_and_never_called_one(capsys, tm
         ("moment@30", "from 0 to 25 m: for halfway type moment@12.5"),
         ("tire_force@5", "--effect tire_force@5: that of the vehicle has no place: type tire"),
         ("moment,moment", "--effect names 'moment' twice: leave one out"),
-        ("reaction@5", "no support reaction at 5 m: type --effect reaction@0 or --effect reaction@15"),
+        ("reaction@5", "no support reaction at 5 m: type --effect reaction@0 or --effect rea"),
         ("moment@0", "the bending moment at 0 m is 0, whatever crosses: type another place, as"),
         ("deflection@15", "the deflection at 15 m is 0, whatever crosses: type another place"),
         ("bridge_acceleration@25", "the acceleration of the bridge at 25 m is 0, whatever crosses"),
