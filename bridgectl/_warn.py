@@ -13,7 +13,8 @@ from types import FrameType
 HERE = Path(__file__).parent
 
 COMMAND_LINE = tuple(
-    str(HERE / "cli" / f"{name}.py") for name in ("main", "dae", "score", "options", "bridge_file")
+    str(HERE / "cli" / f"{name}.py")
+    for name in ("main", "dae", "score", "options", "bridges", "bridge_file")
 )
 """Modules that call the package as a user does."""
 

@@ -257,7 +257,9 @@ def test_a_table_of_modes_crosses_as_the_beam_that_they_are_of(capsys, file, tmp
     damped = read_bridge(str(file(f"damping_ratio = 0.02\n{modes_of_a_beam(tmp_path)}")))
     assert damped.damping_ratios.tolist() == [0.02, 0.02]
     says = complaint(capsys, "--bridge", path, "--effect", "moment@5")
-    assert says.endswith("the bridge tells no bending moment at 5 m: type @12.5 after its name")
+    assert says.endswith("the bridge tells no bending moment at 5 m: type --effect moment@12.5")
+    says = complaint(capsys, "--bridge", path, "--section", "0.2", command="score")
+    assert says.endswith("the bridge tells no bending moment at 5 m: type --section 0.5")
     says = complaint(capsys, "--bridge", path, "--effect", "shear@5")
     assert says.endswith("the bridge tells no shear force at 5 m: leave it out")
     assert "deflection at 25 m is 0" in complaint(
@@ -468,7 +470,7 @@ def test_what_is_no_factor_is_told_with_its_unit_and_never_called_one(capsys, tm
         ("moment@30", "from 0 to 25 m: for halfway type moment@12.5"),
         ("tire_force@5", "--effect tire_force@5: that of the vehicle has no place: type tire"),
         ("moment,moment", "--effect names 'moment' twice: leave one out"),
-        ("reaction@5", "tells no support reaction at 5 m: type @0 or @15 or @25 after its name"),
+        ("reaction@5", "no support reaction at 5 m: type --effect reaction@0 or --effect rea"),
         ("moment@0", "the bending moment at 0 m is 0, whatever crosses: type another place, as"),
         ("deflection@15", "the deflection at 15 m is 0, whatever crosses: type another place"),
         ("bridge_acceleration@25", "the acceleration of the bridge at 25 m is 0, whatever crosses"),
@@ -482,7 +484,9 @@ def test_an_effect_that_there_is_not_is_one_line(capsys, text, says):
 
 def test_beams_have_neither_moments_nor_inner_reactions_at_their_ends(capsys):
     assert "the bending moment at 25 m is 0" in complaint(capsys, "--effect", "moment@25")
-    assert "type @0 or @25 after" in complaint(capsys, "--effect", "reaction@5")
+    assert "type --effect reaction@0 or --effect reaction@25" in complaint(
+        capsys, "--effect", "reaction@5"
+    )
     assert dae(capsys, "--effect", "reaction@25")["effect"]["unit"] == "N"
 
 

@@ -226,6 +226,7 @@ def test_what_would_be_a_factor_of_nothing_is_refused_everywhere(truck):
     hard = passive(1e3).c_max, 30e3
     for ask in (
         lambda: bc.daf(pier, truck, 25.0),
+        lambda: bc.score([passive(7e3)], pier, truck, [level], 25.0, approach=5),
         lambda: bc.ramp_surface(pier, truck, 25.0),
         lambda: simulate_loop(pier, truck, passive(7e3), 25.0, x, 0 * x),
         lambda: bc.daf(pier, truck, 25.0, damper=bridgehook(pier, truck, *hard)),
@@ -295,7 +296,18 @@ def test_a_score_is_of_the_effect_that_is_asked_for(truck, two_spans, tmp_path):
     board = bc.score(*case, effect=hogging, **asked)
     alone = [bc.daf(two_spans, truck, SPEEDS, road, start=-20, effect=hogging) for road in roads]
     assert board.values["daf"][0] == pytest.approx(np.array(alone), abs=2e-5)
-    with pytest.raises(ValueError, match=r"score\.jsonl"):
-        bc.score(*case, effect=bc.Shear(10.0), **asked)
+    for other in (bc.Shear(10.0), bc.Moment(20.0), bc.Moment(20.0, sense="smallest")):
+        with pytest.raises(ValueError, match=r"score\.jsonl"):
+            bc.score(*case, effect=other, **asked)
+    sagging = tmp_path / "sagging.jsonl"
+    bc.score(*case, effect=bc.Moment(10.0), **asked | {"resume": sagging})
+    with pytest.raises(ValueError, match=r"sagging\.jsonl"):
+        bc.score(*case, effect=bc.Moment(10.0, sense="smallest"), **asked | {"resume": sagging})
     again = bc.score(*case, effect=hogging, **asked)
     assert np.array_equal(again.values["daf"], board.values["daf"])
+
+
+def test_a_rigid_support_does_not_deflect(truck):
+    pier = bc.Bridge([25.0, 25.0], **SPAN, n_modes=4)
+    with pytest.raises(ValueError, match=r"largest static deflection of .* is 0 m"):
+        bc.daf(pier, truck, 25.0, effect=bc.Deflection(25.0))

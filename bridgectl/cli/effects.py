@@ -178,10 +178,13 @@ def _require_place(option: str, elsewhere: str, effect: AtSection, bridge: Bridg
     """Refuse a place where a bridge tells no such effect, or where it is always 0."""
     at, places = effect.section(bridge) * bridge.length, _places(effect, bridge)
     if places is not None and not any(abs(at - place) < SAME_PLACE for place in places):
-        listed = " or ".join(f"@{place:.9g}" for place in places)
+        name = option.partition("@")[0]
+        listed = [f"{name}@{place:.9g}" for place in places]
+        if option.startswith("--section"):
+            listed = [f"--section {place / bridge.length:.9g}" for place in places]
         raise ValueError(
             f"{option}: the bridge tells no {effect.label} at {at:g} m: "
-            + (f"type {listed} after its name" if places else "leave it out")
+            + (f"type {' or '.join(listed)}" if places else "leave it out")
         )
     if _is_always_zero(effect, at, bridge):
         raise ValueError(

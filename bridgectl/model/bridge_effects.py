@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl.model.bridge import BridgeModel, TellsEffects
-from bridgectl.model.effect import Effect, EffectRows
+from bridgectl.model.effect import NO_FACTOR, Effect, EffectRows
 from bridgectl.model.recovery import RECOVERIES, recover, recover_moment
 from bridgectl.model.vehicle import Vehicle
 
@@ -165,10 +165,12 @@ class Deflection(AtSection):
 
     def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
         section = self.section(bridge)
+        places = self._static_places(bridge, vehicle)
+        here, shapes = bridge.mode_shapes(section * bridge.length), bridge.mode_shapes(places)
+        if np.abs(here).max() < NO_FACTOR * np.abs(shapes).max():  # a rigid support, but round-off
+            return np.zeros(1)
         # Deflection at the section per force on the crest of each mode.
-        flexibility = bridge.mode_shapes(section * bridge.length)
-        flexibility = flexibility / (bridge.modal_masses * bridge.omega**2)
-        shapes = bridge.mode_shapes(self._static_places(bridge, vehicle))
+        flexibility = here / (bridge.modal_masses * bridge.omega**2)
         return np.asarray((shapes @ flexibility) @ vehicle.static_loads)
 
 

@@ -170,7 +170,8 @@ def task_name(device: Damper, piece: Piece, n_roads: int) -> str:
 def header(study: Study) -> dict[str, Any]:
     """What two studies share if their parts fit together."""
     crossing = study.crossing
-    effect = {} if type(crossing.effect) is Moment else {"effect": repr(crossing.effect)}
+    plain = Moment(crossing.section * crossing.beam.length, recovery=crossing.recovery)
+    effect = {} if crossing.effect == plain else {"effect": repr(crossing.effect)}
     return {
         "beam": described(study.beam),
         "vehicle": dataclasses.asdict(study.vehicle),
