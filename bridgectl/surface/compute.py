@@ -23,6 +23,7 @@ from bridgectl.model.motion import Motion
 from bridgectl.road import RoadProfile
 from bridgectl.road.iso8608 import ramp_covariance
 from bridgectl.road.psd import CLASSES
+from bridgectl.surface.factored import FactoredHistories
 from bridgectl.surface.histories import DenseHistories, Histories, factor_histories
 from bridgectl.surface.ramps import ends_of_ramps, one_ramp
 from bridgectl.surface.surface import RampSurface
@@ -118,12 +119,8 @@ def linear_surface(
         histories = factor_histories(run, speeds, grid.length, grid.n_ramps)
     else:
         histories = _simulate_ramps(run, grid.edges, speeds, grid.height, progress)
-    smooth = crossing.orientation * np.array(
-        [
-            find_peaks(history[:, np.newaxis], histories.ringing(i)).values[0]
-            for i, history in enumerate(histories.smooth)
-        ]
-    )
+    rings = histories.rings if isinstance(histories, FactoredHistories) else None
+    smooth = crossing.orientation * find_peaks(histories.smooth.T, rings).values
     peaks = [[histories.peaks(i, h) for i in range(speeds.size)] for h in grid.heights]
     ramps = crossing.orientation * np.array(peaks)[..., :: grid.every]
     vehicle = crossing.linear
