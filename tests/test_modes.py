@@ -149,4 +149,5 @@ def test_cells_follow_the_modes_that_yield_to_tires_and_no_others(truck):
         )
 
     assert cells(3) < cells(4)
-    assert cells(5) == cells(20) == cells(3)
+    assert cells(3) < cells(9)
+    assert cells(10) == cells(20) == cells(3)

@@ -17,7 +17,7 @@ MAX_WIDTH = 0.1
 MAX_VEHICLE_PHASE = 0.4
 MAX_BEAM_PHASE = 1.7
 
-FOLLOWED, YIELDING = 4, 9.5
+FOLLOWED, YIELDING = 9, 9.5
 """Cells follow all of so many modes; of more modes those up to so many times the lowest frequency,
 three of a beam. Higher ones are so much stiffer than tires that what they do to tire forces within
 a cell changes amplifications by less than 2e-6 (tests/test_modes.py)."""
