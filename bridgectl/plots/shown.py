@@ -7,7 +7,7 @@ So any result may draw itself. What each attribute is, in which unit, the result
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol, overload, runtime_checkable
+from typing import Any, ClassVar, Protocol, overload, runtime_checkable
 
 from numpy.typing import ArrayLike, NDArray
 
@@ -83,7 +83,43 @@ class BeamShown(Protocol):
 
     @property
     def length(self) -> float: ...
+    @property
+    def omega(self) -> FloatArray: ...
     def mode_shapes(self, x: ArrayLike) -> FloatArray: ...
+
+
+class EffectShown(Protocol):
+    """An effect at a place: see `bridgectl.Moment`."""
+
+    unit: ClassVar[str]
+    label: ClassVar[str]
+
+    @property
+    def at(self) -> float | None: ...
+    def influence_line(self, bridge: Any, x: ArrayLike) -> FloatArray: ...
+
+
+class EnvelopeShown(Protocol):
+    """Extremes along a bridge: see `bridgectl.linear.envelope.Envelope`."""
+
+    @property
+    def quantity(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def speed(self) -> float: ...
+    @property
+    def bridge(self) -> BeamShown: ...
+    @property
+    def places(self) -> FloatArray: ...
+    @property
+    def largest(self) -> FloatArray: ...
+    @property
+    def smallest(self) -> FloatArray: ...
+    @property
+    def static_largest(self) -> FloatArray: ...
+    @property
+    def static_smallest(self) -> FloatArray: ...
 
 
 class SurfaceShown(Protocol):
