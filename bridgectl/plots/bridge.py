@@ -29,7 +29,9 @@ SHOWN = {
 }  # fmt: skip
 """Units of axes, and factors from those of effects."""
 
-PER_FORCE = {"N m": ("m", 1.0), "N": ("-", 1.0), "m": ("mm/kN", 1e6), "N/m^2": ("kPa/kN", 1.0)}
+PER_FORCE = {
+    "N m": ("kN m/kN", 1.0), "N": ("kN/kN", 1.0), "m": ("mm/kN", 1e6), "N/m^2": ("kPa/kN", 1.0),
+}  # fmt: skip
 """The same of influence lines, per N."""
 
 MODES, POINTS = 4, 1001
@@ -72,7 +74,7 @@ def bridge_plot(
     >>> import bridgectl as bc
     >>> bridge = bc.Bridge([25, 25], 18358, 4.865e10)
     >>> bc.plots.bridge_plot(bridge, bc.Moment(25.0)).get_ylabel()
-    'bending moment at 25 m per force [m]'
+    'bending moment [kN m/kN]'
     """
     ax = new_axes(ax)
     x = np.linspace(0.0, bridge.length, POINTS)
@@ -83,15 +85,15 @@ def bridge_plot(
         shapes = shapes / np.abs(shapes).max(axis=0)
         for i, (frequency, shape) in enumerate(zip(frequencies, shapes.T, strict=True)):
             ax.plot(x, shape, color=TRACKS[i], lw=1.8, label=f"mode {i + 1}: {frequency:.3g} Hz")
-        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
-        ax.set_ylabel("mode shape, over its largest [-]")
+        ax.legend(loc="lower left", framealpha=0.8, frameon=True, edgecolor="none", ncols=2)
+        ax.set(ylabel="mode shape, over its largest [-]", title="mode shapes")
     else:
         unit, factor = PER_FORCE.get(effect.unit, (f"{effect.unit} / N", 1.0))
         line = factor * effect.influence_line(bridge, x)
         ax.plot(x, line, color=BLUE, lw=1.8)
         ax.fill_between(x, line, color=BLUE, alpha=0.15, lw=0)
         at = bridge.length / 2 if effect.at is None else effect.at
-        ax.set_ylabel(f"{effect.label} at {at:.4g} m per force [{unit}]")
+        ax.set(ylabel=f"{effect.label} [{unit}]", title=f"{effect.label} at {at:.4g} m per force")
     _finish(ax, bridge, downward=effect is None or effect.unit in ("N m", "m"))
     return ax
 
@@ -114,7 +116,7 @@ def envelope_plot(envelope: EnvelopeShown, ax: Axes | None = None) -> Axes:
         ylabel=f"{envelope.quantity} [{unit}]",
         title=f"{envelope.quantity} at {to_kmh(envelope.speed):.4g} km/h",
     )
-    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+    ax.legend(framealpha=0.8, frameon=True, edgecolor="none")
     _finish(ax, envelope.bridge, downward=envelope.quantity != "shear")
     return ax
 
