@@ -78,7 +78,8 @@ def envelope(
     >>> import bridgectl as bc
     >>> bridge = bc.Bridge([25, 25], 18358, 4.865e10)
     >>> hogging = bc.envelope(bridge, bc.li2006.car(), 30.0, at=[10.0, 25.0]).smallest / 1e3
-    >>> print(hogging.round(0), "kN m")
+    >>> print(hogging.round(), "kN m")
+    [-144. -268.] kN m
     """
     c = Motion(speed).speed
     choice("quantity", quantity, tuple(QUANTITIES))

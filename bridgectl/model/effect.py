@@ -116,7 +116,7 @@ class Effect(ABC):
         Returns
         -------
         ndarray, shape (m,)
-            In the effect's unit.
+            In the effect's unit [N m, m, N, ...].
         """
         values = self._rows(bridge, vehicle, tires).values(states.T, forces.T)
         return values + np.dot(self._per_damper(vehicle), damper) if np.any(damper) else values

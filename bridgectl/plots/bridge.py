@@ -34,6 +34,9 @@ PER_FORCE = {
 }  # fmt: skip
 """The same of influence lines, per N."""
 
+ABOVE: Any = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "fontsize": 9, "borderpad": 0.0}
+"""Where a legend covers no curve."""
+
 MODES, POINTS = 4, 1001
 """Most mode shapes that are drawn, and points of curves along the bridge."""
 
@@ -85,8 +88,8 @@ def bridge_plot(
         shapes = shapes / np.abs(shapes).max(axis=0)
         for i, (frequency, shape) in enumerate(zip(frequencies, shapes.T, strict=True)):
             ax.plot(x, shape, color=TRACKS[i], lw=1.8, label=f"mode {i + 1}: {frequency:.3g} Hz")
-        ax.legend(loc="lower left", framealpha=0.8, frameon=True, edgecolor="none", ncols=2)
-        ax.set(ylabel="mode shape, over its largest [-]", title="mode shapes")
+        ax.legend(**ABOVE, ncols=2)
+        ax.set_ylabel("mode shape, over its largest [-]")
     else:
         unit, factor = PER_FORCE.get(effect.unit, (f"{effect.unit} / N", 1.0))
         line = factor * effect.influence_line(bridge, x)
@@ -116,7 +119,7 @@ def envelope_plot(envelope: EnvelopeShown, ax: Axes | None = None) -> Axes:
         ylabel=f"{envelope.quantity} [{unit}]",
         title=f"{envelope.quantity} at {to_kmh(envelope.speed):.4g} km/h",
     )
-    ax.legend(framealpha=0.8, frameon=True, edgecolor="none")
+    ax.legend(**ABOVE, ncols=3)
     _finish(ax, envelope.bridge, downward=envelope.quantity != "shear")
     return ax
 
