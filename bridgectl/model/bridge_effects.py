@@ -76,7 +76,7 @@ class AtSection(Effect):
         Returns
         -------
         ndarray
-            In the effect's unit per N, the shape of `x`; of a deflection that of the modes.
+            Effect per force [N m / N], [m / N], ..., the shape of `x`; deflections are of the modes.
 
         Examples
         --------
