@@ -12,7 +12,10 @@ from types import FrameType
 
 HERE = Path(__file__).parent
 
-COMMAND_LINE = tuple(str(HERE / "cli" / f"{name}.py") for name in ("main", "score", "options"))
+COMMAND_LINE = tuple(
+    str(HERE / "cli" / f"{name}.py")
+    for name in ("main", "dae", "score", "options", "bridges", "bridge_file")
+)
 """Modules that call the package as a user does."""
 
 PASSING = ("_plausible.py", "_threads.py", "plots/style.py")

@@ -121,7 +121,8 @@ def _drawn(
     signal = dict(zip(response.output_labels, outputs, strict=True))
     x, modes = response.time * speed, states[crossing.n_vehicle :: 2].T
     weight, stiffness = crossing.linear.static_loads[0], crossing.linear.tire_stiffnesses[0]
-    force = signal["tire_force"]
+    force, static = signal["tire_force"], signal["static_moment"]
+    squeeze, travel = (force - weight) / stiffness, signal["y_s"] - signal["y_t"]
     return DrawnCrossing(
         crossing.beam,
         speed,
@@ -129,9 +130,9 @@ def _drawn(
         start,
         x,
         signal["moment"],
-        signal["static_moment"],
+        static,
         force / weight,
-        (force - weight) / stiffness,
-        signal["y_s"] - signal["y_t"],
+        squeeze,
+        travel,
         modes,
     )

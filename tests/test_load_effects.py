@@ -226,6 +226,7 @@ def test_what_would_be_a_factor_of_nothing_is_refused_everywhere(truck):
     hard = passive(1e3).c_max, 30e3
     for ask in (
         lambda: bc.daf(pier, truck, 25.0),
+        lambda: bc.score([passive(7e3)], pier, truck, [level], 25.0, approach=5),
         lambda: bc.ramp_surface(pier, truck, 25.0),
         lambda: simulate_loop(pier, truck, passive(7e3), 25.0, x, 0 * x),
         lambda: bc.daf(pier, truck, 25.0, damper=bridgehook(pier, truck, *hard)),
@@ -264,11 +265,9 @@ def test_a_wheel_path_beside_the_axis_twists_the_bridge(truck, n_modes):
     weight = 98100.0
     exact = weight * (length**3 / (48 * rigidity) + e**2 * length / (4 * twisting))
     static = make_crossing(twisted, truck, bc.Deflection()).static_peak
-    # Modes carry 96 / pi^4 sum over odd j of 1 / j^4 of bending, 8 / pi^2 sum of 1 / j^2 of torsion.
-    missing = [
-        1 - 96 / np.pi**4 * np.sum(j[::2] ** -4.0),
-        1 - 8 / np.pi**2 * np.sum(j[::2] ** -2.0),
-    ]
+    # Modes carry 96 / pi^4 sum over odd j of j^-4 of bending, 8 / pi^2 sum of j^-2 of torsion.
+    bent, turned = (np.sum(j[::2] ** -power) for power in (4.0, 2.0))
+    missing = [1 - 96 / np.pi**4 * bent, 1 - 8 / np.pi**2 * turned]
     parts = [weight * length**3 / (48 * rigidity), weight * e**2 * length / (4 * twisting)]
     assert static == pytest.approx(exact - np.dot(missing, parts), rel=1e-8)
     if n_modes == 5:
@@ -288,3 +287,27 @@ def test_the_work_of_the_tires_on_three_spans_is_energy_and_what_damping_took(tr
     losses = np.einsum("j,jm->m", damping, rates**2)
     energy = (mass / 2 * (rates[:, -1] ** 2 + (three.omega * q[:, -1]) ** 2)).sum()
     assert simpson(power, x=time) == pytest.approx(energy + simpson(losses, x=time), rel=1e-6)
+
+
+def test_a_score_is_of_the_effect_that_is_asked_for(truck, two_spans, tmp_path):
+    hogging, roads = bc.Moment(25.0, sense="smallest"), [rough_road(s, -20, 46) for s in (1, 2)]
+    asked = {"approach": 20, "workers": 1, "progress": False, "resume": tmp_path / "score.jsonl"}
+    case = [passive(7e3)], two_spans, truck, roads, SPEEDS
+    board = bc.score(*case, effect=hogging, **asked)
+    alone = [bc.daf(two_spans, truck, SPEEDS, road, start=-20, effect=hogging) for road in roads]
+    assert board.values["daf"][0] == pytest.approx(np.array(alone), abs=2e-5)
+    for other in (bc.Shear(10.0), bc.Moment(20.0), bc.Moment(20.0, sense="smallest")):
+        with pytest.raises(ValueError, match=r"score\.jsonl"):
+            bc.score(*case, effect=other, **asked)
+    sagging = tmp_path / "sagging.jsonl"
+    bc.score(*case, effect=bc.Moment(10.0), **asked | {"resume": sagging})
+    with pytest.raises(ValueError, match=r"sagging\.jsonl"):
+        bc.score(*case, effect=bc.Moment(10.0, sense="smallest"), **asked | {"resume": sagging})
+    again = bc.score(*case, effect=hogging, **asked)
+    assert np.array_equal(again.values["daf"], board.values["daf"])
+
+
+def test_a_rigid_support_does_not_deflect(truck):
+    pier = bc.Bridge([25.0, 25.0], **SPAN, n_modes=4)
+    with pytest.raises(ValueError, match=r"largest static deflection of .* is 0 m"):
+        bc.daf(pier, truck, 25.0, effect=bc.Deflection(25.0))

@@ -237,6 +237,7 @@ SLIPS = {
         "every": [(0, "every must be 1 or more"), (1.5, "every must be a whole number")],
     },
     "score": MODEL | {
+        "effect": EFFECT,
         "dampers": [
             (PASSIVE, r"dampers must be a list.*type \[damper\]"),
             ([], "dampers must hold a strategy"), (None, "dampers must be a list"),

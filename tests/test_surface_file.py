@@ -269,7 +269,7 @@ def test_the_same_study_in_other_words_is_the_same(file, small):
 @pytest.mark.parametrize(
     ("expected", "error", "says"),
     [
-        ({"beam": 25.0}, TypeError, "beam must be a bridgectl.Beam or Bridge, got float"),
+        ({"beam": 25.0}, TypeError, "beam must be a bridgectl.Beam, Bridge or ModalBridge, got"),
         ({"vehicle": "car"}, TypeError, "vehicle must be a bridgectl.Vehicle or QuarterCar, got"),
         ({"speeds": [-1.0]}, ValueError, "speeds must be above 0 m/s"),
         ({"section": 2}, ValueError, "section must lie between 0 and 1"),

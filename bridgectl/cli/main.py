@@ -17,6 +17,7 @@ from bridgectl import _checks as check
 from bridgectl._units import from_kmh
 from bridgectl._work import memory_advice
 from bridgectl.cli import options
+from bridgectl.cli.dae import DAE_HELP, add_dae_options, run_dae
 from bridgectl.cli.score import SCORE_HELP, add_score_options, run_score
 
 SEGMENT = 100.0
@@ -36,26 +37,6 @@ crossing.
                       with --dampers whether DAE orders dampers
 
 Without a road file, score, dae and profile take a measured road that comes with the program."""
-
-DAE_HELP = """\
-Place a bridge in a road and say how much the road amplifies the bending moment of a truck's
-crossing, at every speed:
-
-  DAF smooth      dynamic amplification factor (DAF) of a smooth road
-  DAE             that, plus what each 100 mm ramp of the road adds on its own: the dynamic
-                  amplification estimate of Li, OBrien and Gonzalez (2006), Eq. (15)
-  superposed DAF  the same ramps, superposed as moment histories: exact while tires stay down
-  simulated DAF   the crossing itself
-
-FILE is delimited text, ERD text or OpenCRG: stations and elevations (positive upward), whose units
-the file states ('x [m], z [mm]') or --units tells. Of several tracks the first counts, or --track.
-Without FILE: a measured road of 544 m that comes with the program.
-
-examples:
-  bridgectl dae
-  bridgectl dae road.csv --units m,mm --station 1250 --span 35 --plot dae.png
-  bridgectl dae survey.erd --track RElev.
-  bridgectl dae road.txt --units m,m --speeds 60:120:2 --damping 12e3 --json > dae.json"""
 
 PROFILE_HELP = """\
 Measure the tracks of a road file:
@@ -200,11 +181,7 @@ def _parser() -> _Parser:
 
     score = command("score", run_score, "damper strategies, scored for a bridge", SCORE_HELP)
     add_score_options(score)
-    dae = command("dae", _run_dae, "DAE and DAF of a measured road", DAE_HELP)
-    options.add_file_options(dae)
-    options.add_place_options(dae)
-    options.add_bridge_options(dae)
-    options.add_vehicle_options(dae)
+    add_dae_options(command("dae", run_dae, "DAE and DAF of a measured road", DAE_HELP))
     brief = "IRI, spectrum and ISO class of a road file"
     profile = command("profile", _run_profile, brief, PROFILE_HELP)
     options.add_file_options(profile)
@@ -226,43 +203,6 @@ def _figure(name: str) -> Any:
     """A figure's function, by module and name, that is loaded when it is drawn."""
     module, _, what = name.partition(".")
     return getattr(import_module(f"bridgectl.plots.{module}"), f"{what}_figure")
-
-
-def _run_dae(args: argparse.Namespace) -> None:
-    from bridgectl.cli.tables import DaeStudy, dae_json, print_dae
-
-    speeds = from_kmh(options.parse_speeds(args.speeds))
-    options.check_plot(args.plot)
-    beam, vehicle = options.make_beam(args), options.make_vehicle(args)
-    road, station = _road(args, beam.length)
-    with options.working("computing the ramp surface"):
-        surface = bc.ramp_surface(
-            beam, vehicle, speeds, approach=args.approach,
-            section=args.section, recovery=args.recovery,
-        )  # fmt: skip
-    simulated = bc.daf(
-        beam, vehicle, speeds, road, start=-args.approach,
-        section=args.section, recovery=args.recovery,
-    )  # fmt: skip
-    with warnings.catch_warnings():  # the simulation has told of tires that leave the road
-        warnings.simplefilter("ignore", bc.LiftOffWarning)
-        superposed = surface.superposed_daf(road)
-    study = DaeStudy(surface, vehicle, road, station, surface.dae(road), superposed, simulated)
-    computed = {"superposed": superposed, "simulated": simulated}
-    options.deliver(
-        args, lambda: _figure("dae.dae")(surface, road, **computed),
-        lambda: _json(dae_json(study)), lambda: print_dae(study),
-    )  # fmt: skip
-
-
-def _road(args: argparse.Namespace, span: float) -> tuple[bc.RoadProfile, float]:
-    """The road under approach and bridge, in ramps, and the station of the bridge."""
-    options.check_ramps("--approach", args.approach)
-    if args.file is None:
-        options.refuse_file_options(args)
-        return options.place_road(args, bc.utia_road(), "that comes with the program", span)
-    whole = bc.read_profile(args.file, track=args.track, **options.file_arguments(args))
-    return options.place_road(args, whole, args.file, span)
 
 
 def _run_profile(args: argparse.Namespace) -> None:

@@ -20,7 +20,6 @@ from bridgectl._checks import FloatArray
 from bridgectl._files import is_regular, replacing
 from bridgectl._places import SAME_PLACE, even_places, whole_pieces
 from bridgectl._plausible import judge_kmh
-from bridgectl.model.recovery import RECOVERIES
 from bridgectl.surface.compute import RAMP_LENGTH
 
 if TYPE_CHECKING:
@@ -32,6 +31,9 @@ SPEEDS_KMH = (1.0, 1000.0)
 
 VEHICLE = "sprung_mass", "unsprung_mass", "suspension_stiffness", "tire_stiffness", "damping"
 """Parameters of the quarter-car, each an option."""
+
+OWN = "length", "mass_per_length", "flexural_rigidity", "frequency", "supports"
+"""Parameters of a bridge of one's own, each an option."""
 
 SPEEDS_LOOK = "50:150:1 or 80,90,100"
 
@@ -148,20 +150,6 @@ def resumed(path: Path | None) -> Iterator[None]:
         raise
 
 
-def add_bridge_options(parser: argparse.ArgumentParser) -> None:
-    """Add the bridge and how its moment is found."""
-    bridge = parser.add_argument_group("bridge (Li's thesis, 2006; default the paper's 25 m)")
-    add_option(bridge, "--span", "M", "odd, 9 to 43 [m]", as_number, 25)
-    bridge.add_argument("--deck", help="solid, Y or super-Y, for spans that have several")
-    add_option(bridge, "--modes", "N", "number (default 3)", as_whole, 3)
-    add_option(bridge, "--damping-ratio", "Z", "of mode 1, or A,B,C of each (default 0)", None, "0")
-    add_option(bridge, "--section", "S", "section of the moment, as a fraction of the span "
-               "(default 0.5)", as_number, 0.5)  # fmt: skip
-    ways = ", ".join(RECOVERIES)
-    add_option(bridge, "--recovery", "HOW", f"of the moment from the modes: {ways} (default exact)",
-               default="exact")  # fmt: skip
-
-
 def add_vehicle_options(parser: argparse.ArgumentParser) -> None:
     """Add the parameters of the quarter-car."""
     vehicle = parser.add_argument_group("quarter-car (default the paper's truck)")
@@ -177,13 +165,6 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     """Add what becomes of the results."""
     add_option(parser, "--plot", "FILE", "draw (png, pdf, svg)", Path)
     parser.add_argument("--json", action="store_true", help="print one JSON object instead")
-
-
-def make_beam(args: argparse.Namespace) -> bc.Beam:
-    """Make the bridge of the bridge options."""
-    ratios = tuple(numbers("--damping-ratio", args.damping_ratio, float))
-    damping_ratio = ratios if len(ratios) > 1 else ratios[0]
-    return bc.li2006.beam(args.span, args.deck, n_modes=args.modes, damping_ratio=damping_ratio)
 
 
 def make_vehicle(args: argparse.Namespace) -> bc.QuarterCar:
@@ -203,12 +184,14 @@ def place_road(
         station = float(whole.x[0]) + args.approach
     station = station if args.station is None else args.station
     end = span + departure
+    of_thesis = args.length is args.spans is args.bridge is None
+    shorter = "--span" if of_thesis else "take a shorter bridge"
     first, last = float(whole.x[0]) + args.approach, float(whole.x[-1]) - end
     if not first - SAME_PLACE <= station <= last + SAME_PLACE:
         room = (
             f"--station must lie between {first:g} and {last:g} m"
             if first <= last
-            else f"{args.approach + end:g} m are needed: pass a smaller --approach or --span"
+            else f"{args.approach + end:g} m are needed: pass a smaller --approach or {shorter}"
         )
         after = f", {departure:g} m of departure" if departure else ""
         raise ValueError(
@@ -252,20 +235,24 @@ def save_figure(figure: Figure, path: Path) -> None:
 
 def deliver(
     args: argparse.Namespace,
-    draw: Callable[[], Figure],
+    draw: Callable[[], Figure | dict[Path, Figure]],
     results: Callable[[], str],
     show: Callable[[], None],
 ) -> None:
-    """Draw the figure if it is asked for, and print results for programs or for people."""
+    """Draw what figures are asked for, and print results for programs or for people."""
+    figures: dict[Path, Figure] = {}
     if args.plot is not None:
         with working("drawing"):
-            save_figure(draw(), args.plot)
+            drawn = draw()
+            figures = drawn if isinstance(drawn, dict) else {args.plot: drawn}
+            for path, figure in figures.items():
+                save_figure(figure, path)
     if args.json:
         print(results())
         return
     show()
-    if args.plot is not None:
-        print(f"Drawn: {args.plot}")
+    if figures:
+        print(f"Drawn: {', '.join(map(str, figures))}")
 
 
 def parse_speeds(text: str) -> FloatArray:
@@ -304,7 +291,7 @@ def numbers(option: str, text: str, kind: type, look: str = "") -> list[Any]:
 
 def as_options(advice: str) -> str:
     """Advice to type an argument of the library, for the command line."""
-    names = "|".join((*VEHICLE, "damping_ratio"))
+    names = "|".join((*VEHICLE, "damping_ratio", *OWN))
     return re.sub(
         rf"\btype ({names})=", lambda found: f"type --{found[1].replace('_', '-')} ", advice
     )

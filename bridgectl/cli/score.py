@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +14,9 @@ import bridgectl as bc
 from bridgectl import _checks as check
 from bridgectl._units import from_kmh
 from bridgectl._work import Work, at_most, require_feasible
-from bridgectl.cli import options
+from bridgectl.cli import bridges, options
+from bridgectl.cli.effects import asked_effects
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.surface.compute import RAMP_LENGTH
 
 if TYPE_CHECKING:
@@ -44,6 +47,8 @@ bounds, over the same roads and speeds. Prints, for each strategy:
                   the simulated DAF: of Eq. (15), and of second order over the class of the roads;
                   how either orders the strategies
 
+The effect is the bending moment at --section alone; `bridgectl dae` takes others.
+
 The library: passive (the vehicle's own), preset, skyhook, continuous skyhook, groundhook, tire
 groundhook, extended groundhook, selective groundhook, hybrid, ADD, SH-ADD, PDD, clipped LQR,
 bridgehook.
@@ -58,6 +63,7 @@ examples:
   bridgectl score --plot score.png
   bridgectl score east.csv west.csv --units m,mm --station 1250 --span 35 --random 0
   bridgectl score --strategies skyhook,groundhook,bridgehook --lag 0.01 --max-force 20e3
+  bridgectl score --spans 25,25 --mass-per-length 18e3 --frequency 4.1 --section 0.2
   bridgectl score --random 50 --resume score.jsonl --json > score.json"""
 
 
@@ -70,7 +76,7 @@ def add_score_options(parser: argparse.ArgumentParser) -> None:
     text = "random roads of ISO 8608 class A, and as many of class B (default 6)"
     options.add_option(parser, "--random", "N", text, options.as_whole, 6)
     _add_damper_options(parser)
-    options.add_bridge_options(parser)
+    bridges.add_bridge_options(parser)
     options.add_vehicle_options(parser)
     options.add_work_options(parser.add_argument_group("work"))
 
@@ -100,7 +106,8 @@ def run_score(args: argparse.Namespace) -> None:
     options.check_plot(args.plot)
     options.check_work(args)
     speeds = from_kmh(options.parse_speeds(args.speeds))
-    beam, vehicle = options.make_beam(args), options.make_vehicle(args)
+    beam, vehicle = bridges.make_bridge(args), options.make_vehicle(args)
+    (asked,) = asked_effects(args, beam, vehicle)
     dampers = _dampers(args, beam, vehicle)
     roads = _roads(args, beam.length)
     with options.resumed(args.resume):
@@ -111,10 +118,17 @@ def run_score(args: argparse.Namespace) -> None:
         )  # fmt: skip
     from bridgectl.scoring.text import print_score
 
-    options.deliver(args, board.plot, board.to_json, lambda: print_score(board))
+    def show() -> None:
+        print(f"Effect: {asked.told}")
+        print_score(board)
+
+    def results() -> str:
+        return json.dumps(json.loads(board.to_json()) | {"effect": asked.content}, indent=1)
+
+    options.deliver(args, board.plot, results, show)
 
 
-def _dampers(args: argparse.Namespace, beam: bc.Beam, vehicle: bc.QuarterCar) -> list[Damper]:
+def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: bc.QuarterCar) -> list[Damper]:
     """The strategies that are asked for, each in a damper."""
     from bridgectl.dampers import Damper, library
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -13,51 +13,16 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_smoothness
 from bridgectl._tables import make_console, make_table
-from bridgectl._units import to_kmh
 from bridgectl._version import __version__
-from bridgectl.model.beam import Beam
-from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.paper.printed import PaperResults
 from bridgectl.road import RoadProfile
 from bridgectl.road.iri import BASE, GOOD
 from bridgectl.road.limits import evenly_spaced, mean_step
 from bridgectl.road.psd import PsdFit
 from bridgectl.road.sampling import too_coarse
-from bridgectl.surface.surface import RampSurface
-
-SHOWN_KMH = 10
-"""The speeds of the printed table are multiples of this [km/h]."""
-
-LARGEST = 10
-"""How many ramps are listed."""
 
 MOST_SEGMENTS = 200
 """How many segments of a road are listed."""
-
-
-@dataclass(frozen=True)
-class DaeStudy:
-    """What `bridgectl dae` computes: a road, a surface, and the amplification at its speeds."""
-
-    surface: RampSurface
-    vehicle: QuarterCar
-    road: RoadProfile
-    station: float
-    dae: FloatArray
-    superposed: FloatArray
-    simulated: FloatArray
-
-    @property
-    def critical(self) -> int:
-        """Index of the speed of the largest simulated DAF."""
-        return int(np.argmax(self.simulated))
-
-    def largest(self) -> list[tuple[float, float, float]]:
-        """Start [m], rise [m] and contribution of the largest ramps at the critical speed."""
-        parts = self.surface.contributions(self.road)[self.critical]
-        rises = -self.surface.ramps(self.road) * self.surface.ramp_height
-        order = np.argsort(-np.abs(parts), kind="stable")[:LARGEST]
-        return [(float(self.surface.positions[i]), float(rises[i]), float(parts[i])) for i in order]
 
 
 @dataclass(frozen=True)
@@ -110,81 +75,6 @@ def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
     except ValueError:  # too short for a line
         return track
     return replace(track, fit=fit)
-
-
-def print_dae(study: DaeStudy) -> None:
-    """Print the amplification by speed, the critical speed, and the largest ramps."""
-    surface, console = study.surface, make_console()
-    kmh, critical = to_kmh(surface.speeds), study.critical
-    console.print(_dae_heading(study))
-    columns = ["speed [km/h]", "DAF smooth", "DAE", "superposed DAF", "simulated DAF", "DAE error"]
-    table = make_table("Dynamic amplification by speed", columns)
-    shown = np.isclose(kmh % SHOWN_KMH, 0, atol=1e-6) | np.isclose(kmh % SHOWN_KMH, SHOWN_KMH)
-    shown |= len(kmh) <= 2 * SHOWN_KMH
-    for i in range(len(kmh)):
-        if shown[i] or i == critical:
-            row = [surface.daf_smooth[i], study.dae[i], study.superposed[i], study.simulated[i]]
-            cells = [f"{value:.4f}" for value in row] + [f"{row[1] - row[3]:+.4f}"]
-            mark = " <" if i == critical else "  "
-            table.add_row(f"{kmh[i]:g}{mark}", *cells, style="bold" if i == critical else None)
-    console.print(table)
-    worst = int(np.argmax(np.abs(study.dae - study.simulated)))
-    smooth = int(np.argmax(surface.daf_smooth))
-    estimate = int(np.argmax(study.dae))
-    console.print(
-        f"Critical speed: {kmh[critical]:g} km/h, DAF {study.simulated[critical]:.4f} "
-        f"(smooth road: {kmh[smooth]:g} km/h, {surface.daf_smooth[smooth]:.4f}).\n"
-        f"Largest DAE: {study.dae[estimate]:.4f} at {kmh[estimate]:g} km/h. The DAE is an "
-        f"estimate: it is furthest off, by {study.dae[worst] - study.simulated[worst]:+.4f}, at "
-        f"{kmh[worst]:g} km/h.\n",
-        soft_wrap=True,
-    )
-    title = f"The {LARGEST} ramps that contribute most at {kmh[critical]:g} km/h"
-    table = make_table(title, ["from x [m]", "x / l", "rise [mm]", "contribution to DAE"])
-    for x, rise, part in study.largest():
-        place = f"{x / surface.beam.length:.3f}"
-        table.add_row(f"{x:.1f}", place, f"{rise * 1e3:+.2f}", f"{part:+.5f}")
-    console.print(table)
-
-
-def _dae_heading(study: DaeStudy) -> str:
-    surface, road = study.surface, study.road
-    return (
-        f"Road: {road.name or 'unnamed'}, bridge from station {study.station:g} m, "
-        f"{surface.approach:g} m of approach, in ramps of {surface.ramp_length * 1e3:g} mm\n"
-        f"Bridge: {surface.beam!r}\nVehicle: {surface.vehicle!r}\n"
-    )
-
-
-def dae_json(study: DaeStudy) -> dict[str, Any]:
-    """Give everything of a study, at every speed, with units in the keys."""
-    surface, vehicle = study.surface, study.vehicle
-    beam = cast(Beam, surface.beam)  # the command line has no other bridges
-    critical = study.critical
-    return {
-        "bridgectl": __version__,
-        "road": {"name": study.road.name, "bridge_station_m": study.station,
-                 "approach_m": surface.approach},
-        "bridge": {"length_m": beam.length, "mass_per_length_kg_per_m": beam.mass_per_length,
-                   "flexural_rigidity_N_m2": beam.flexural_rigidity, "n_modes": beam.n_modes,
-                   "damping_ratio": beam.damping_ratio, "section": surface.section,
-                   "recovery": surface.recovery},
-        "vehicle": {"sprung_mass_kg": vehicle.sprung_mass,
-                    "unsprung_mass_kg": vehicle.unsprung_mass,
-                    "suspension_stiffness_N_per_m": vehicle.suspension_stiffness,
-                    "tire_stiffness_N_per_m": vehicle.tire_stiffness,
-                    "damping_N_s_per_m": vehicle.damping},
-        "speed_km_per_h": to_kmh(surface.speeds).tolist(),
-        "daf_smooth": surface.daf_smooth.tolist(),
-        "dae": study.dae.tolist(),
-        "daf_superposed": study.superposed.tolist(),
-        "daf_simulated": study.simulated.tolist(),
-        "critical_speed_km_per_h": float(to_kmh(surface.speeds[critical])),
-        "critical_daf": float(study.simulated[critical]),
-        "largest_contributions": [
-            {"x_m": x, "rise_m": rise, "contribution": part} for x, rise, part in study.largest()
-        ],
-    }  # fmt: skip
 
 
 def print_profile(tracks: Sequence[TrackMeasures], segment: float) -> None:

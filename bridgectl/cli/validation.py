@@ -91,6 +91,7 @@ def _place(case: Case) -> str:
 
 def validation_json(results: ValidationResults) -> dict[str, Any]:
     """Give every case of the validation at every speed, with units in the keys."""
+    light = results.light
     return {
         "bridgectl": __version__,
         "speed_km_per_h": to_kmh(results.speeds).tolist(),
@@ -102,11 +103,7 @@ def validation_json(results: ValidationResults) -> dict[str, Any]:
         "median_peak_difference": results.median_difference,
         "median_peak_difference_required_below": PEAK_TOLERANCE,
         "median_peak_difference_by_span_m": results.median_differences,
-        "warning_light": {
-            **results.light._asdict(),
-            "precision": results.light.precision,
-            "recall": results.light.recall,
-        },
+        "warning_light": {**light._asdict(), "precision": light.precision, "recall": light.recall},
         "largest_peak_difference": results.worst_peak.peak_difference,
         "largest_superposed_error": results.worst_superposed.superposed_error,
         "superposed_error_required_below": SUPERPOSED_TOLERANCE,

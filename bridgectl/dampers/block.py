@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
-import casadi as ca
 import control
 import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.expression import at_sample
+
+Strategy: TypeAlias = Any  # its module imports this one
 
 CROSSING_OUTPUTS = {
     "body_velocity": "y_s_dot",
@@ -34,23 +35,8 @@ RATE_TIME = 1e-3
 """Time constant [s] of the rate of the tire force in a block: as late as a change over 2 ms."""
 
 
-class Measuring(Protocol):
-    """What a block knows of a strategy: see `bridgectl.dampers.Strategy`."""
-
-    name: str
-    c_min: float
-    function: ca.Function
-    gains: dict[str, float]
-    states: dict[str, float]
-    preview: list[float]
-
-    @property
-    def used(self) -> list[str]:
-        """Signals that the command, or a state, depends on."""
-
-
 def law_block(
-    law: Measuring, signals: Sequence[str], speed: float, rate_time: float, sample_time: float
+    law: Strategy, signals: Sequence[str], speed: float, rate_time: float, sample_time: float
 ) -> control.NonlinearIOSystem:
     """Return the block of a law of some signals: see `bridgectl.dampers.Strategy.system`."""
     velocity = check.positive("speed", speed, unit="m/s")

@@ -57,18 +57,6 @@ FAR = 1e9
 class Bridgehook(Strategy):
     """The bridgehook strategy; made by `bridgehook`. At each speed it has its own law.
 
-    Parameters
-    ----------
-    beam, vehicle, c_min, c_max, section, effect, feedback, lag
-        See `bridgehook`.
-
-    Raises
-    ------
-    TypeError, ValueError
-        See `bridgehook`.
-
-    Examples
-    --------
     >>> import bridgectl as bc
     >>> from bridgectl.dampers import bridgehook
     >>> bridgehook(bc.li2006.beam(), bc.li2006.car(), 1e3, 30e3)
@@ -109,22 +97,7 @@ lag=0 s)
         return g.c_min + 0 * s.speed
 
     def for_speed(self, speed: float) -> Strategy:
-        """Return the law at a speed.
-
-        Parameters
-        ----------
-        speed : float
-            Speed c [m/s].
-
-        Returns
-        -------
-        Strategy
-
-        Raises
-        ------
-        TypeError, ValueError
-            If `speed` is not above 0 m/s.
-        """
+        """Return the law at a speed [m/s]: see `Strategy.for_speed`."""
         c = check.positive("speed", speed, unit="m/s")
         if c not in self.laws:
             self.laws[c] = self._made(c)
@@ -138,23 +111,7 @@ lag=0 s)
         return _feedback_law(peak_value(*case, *bounds, effect=self.effect, reach=REACH), self)
 
     def command(self, **signals: ArrayLike) -> FloatArray:
-        """Evaluate the command at one speed, one of the signals: see `Strategy.command`.
-
-        Parameters
-        ----------
-        signals : array_like
-            See `Strategy.command`; `speed` [m/s] must be among them, one number.
-
-        Returns
-        -------
-        ndarray
-            Damping c [N s/m], of their shape.
-
-        Raises
-        ------
-        ValueError
-            If `speed` is not a number above 0 [m/s].
-        """
+        """Evaluate the command [N s/m] at one speed, one of the signals: see `Strategy.command`."""
         speed: Any = signals.get("speed", ())
         if np.ndim(speed) != 0:
             raise ValueError(
@@ -163,23 +120,7 @@ lag=0 s)
         return self.for_speed(speed).command(**signals)
 
     def to_c(self, path: str | Path) -> Path:
-        """Refuse: a C file holds the law of one speed.
-
-        Parameters
-        ----------
-        path : str or Path
-            See `Strategy.to_c`.
-
-        Returns
-        -------
-        Path
-            Never.
-
-        Raises
-        ------
-        ValueError
-            Always: type ``bridgehook(...).for_speed(25.0).to_c(path)``.
-        """
+        """Refuse: a C file holds the law of one speed, ``bridgehook(...).for_speed(25.0)``."""
         raise ValueError(
             "bridgehook has a law for each speed: type for example law.for_speed(25.0).to_c(path)"
         )

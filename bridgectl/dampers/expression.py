@@ -52,7 +52,6 @@ FAR = 100.0
 
 _building = RLock()
 
-
 INPUTS = "signals", "gains", "states", "sample_time", "ahead"
 """Inputs of a law with states or preview, in their order; of others the first two."""
 

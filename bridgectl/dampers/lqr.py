@@ -32,7 +32,6 @@ from bridgectl.model.quarter_car import QuarterCar
 FEEDBACK = ("travel_gain", "body_gain", "deflection_gain", "axle_gain")
 """Names of the gains K of x = [d, y_s', e, y_t']: N/m, N s/m, N/m, N s/m."""
 
-
 TRAVEL_SHARE = 0.1
 """How much the suspension travel counts by default, relative to the body acceleration."""
 

@@ -269,14 +269,8 @@ def _broadcast(intensity: float | FloatArray, damping: FloatArray) -> FloatArray
 
 def _above_zero(name: str, value: ArrayLike, unit: str) -> FloatArray:
     """Check an array of any shape, all above zero."""
-    result = check.array(name, value, (None,) * _n_axes(value), unit=unit)
+    result = check.floats(name, value, unit=unit)
+    check.finite(name, result, unit=unit)
     if np.any(result <= 0):
         raise ValueError(f"{name} must be above 0 {unit}, got {result[result <= 0].flat[0]:g}")
     return result[()]
-
-
-def _n_axes(value: ArrayLike) -> int:
-    try:
-        return np.ndim(value)
-    except ValueError:  # rows of different lengths: `check.array` says so
-        return 1

@@ -106,32 +106,12 @@ def peak_value(
     sharpness: float = SHARPNESS,
     yield_speed: float = YIELD_SPEED,
 ) -> PeakValue:
-    """Return what a damper force is worth before the peak moment.
+    """Return what a damper force is worth before the peak moment, at a speed [m/s].
 
-    Parameters
-    ----------
-    beam, vehicle, section, effect
-        See `bridgectl.daf`.
-    speed : float
-        Speed c [m/s].
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
-    reach : float, optional
-        Length of the approach that is looked at [m].
-    sharpness, yield_speed : float, optional
-        beta and v_0 [m/s] of the formulas above.
+    The damping is kept from `c_min` to `c_max` [N s/m]; `reach` is the length of the approach that
+    is looked at [m]; `sharpness` and `yield_speed` [m/s] are beta and v_0 of the formulas above.
+    The others are those of `bridgectl.daf`.
 
-    Returns
-    -------
-    PeakValue
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not what is described above.
-
-    Examples
-    --------
     >>> import bridgectl as bc
     >>> from bridgectl.dampers.peak_value import peak_value
     >>> found = peak_value(bc.li2006.beam(), bc.li2006.car(), 25.0, 1e3, 30e3)

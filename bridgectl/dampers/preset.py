@@ -17,7 +17,6 @@ from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import prepare
 from bridgectl.model.crossing import Crossing
-from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.road import RoadProfile
 from bridgectl.road.limits import evenly_spaced
 from bridgectl.surface.compute import RAMP_HEIGHT, RampGrid, linear_surface
@@ -48,29 +47,26 @@ class Preset(Strategy):
         """Return the damping of the smallest DAF of each crossing [N s/m], by superposition."""
         vehicle = bare_vehicle(crossing.vehicle)
         cars = [replace(vehicle, damping=float(c)) for c in self.dampings]
-        with warnings.catch_warnings():  # of the one that is taken its crossing tells
-            warnings.simplefilter("ignore", LiftOffWarning)
-            dafs = [_dafs(crossing, car, speeds, stations, elevations) for car in cars]
+        crossings = [replace(crossing, vehicle=car) for car in cars]
+        # Of the one that is taken its crossing tells.
+        with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
+            dafs = [_dafs(own, speeds, stations, elevations) for own in crossings]
         best = np.argmin(crossing.orientation * np.array(dafs), axis=0)
         return {"damping": self.dampings[best].T}
 
 
 def _dafs(
-    crossing: Crossing,
-    car: QuarterCar,
-    speeds: FloatArray,
-    stations: FloatArray,
-    elevations: FloatArray,
+    crossing: Crossing, speeds: FloatArray, stations: FloatArray, elevations: FloatArray
 ) -> FloatArray:
     """DAF of roads of straight pieces, shape (n_roads, n_speeds)."""
-    start, own = float(stations[0]), replace(crossing, vehicle=car)
+    start = float(stations[0])
     if not evenly_spaced(stations):  # unit ramps are all of one length
         roads = [RoadProfile(stations, z) for z in elevations]
-        return np.array([linear_dafs(prepare(own, road, start), speeds) for road in roads])
+        return np.array([linear_dafs(prepare(crossing, road, start), speeds) for road in roads])
     last = int(np.searchsorted(stations, crossing.beam.length - SAME_PLACE))
     step = float(stations[last] - start) / last
     grid = RampGrid(-start, step, min(step, RAMP_HEIGHT), last)
-    return linear_surface(own, speeds, grid).superposed_daf(elevations[:, : last + 1])
+    return linear_surface(crossing, speeds, grid).superposed_daf(elevations[:, : last + 1])
 
 
 def preset(c_min: float, c_max: float, *, n_dampings: int = 9) -> Preset:

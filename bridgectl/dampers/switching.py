@@ -18,7 +18,6 @@ Gains = dict[str, tuple[float, float, float]]
 DEAD_BAND = 1e-4
 """Suspension velocity [m/s] below which on-off laws stay soft: 3 N at 30 kN s/m."""
 
-
 documented = filled(
     on_off="""\
 Parameters

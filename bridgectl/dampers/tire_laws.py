@@ -198,10 +198,7 @@ def selective_groundhook(
 def tire_gains(vehicle: QuarterCar) -> Gains:
     """Return what turns a tire force into a deflection: W [N] and K_t [N/m], as gains."""
     load = float(require_quarter_car(vehicle).linear.static_loads[0])
-    return {
-        "static_load": (load, 0.0, 1e7),
-        "tire_stiffness": (vehicle.tire_stiffness, 1.0, 1e9),
-    }
+    return {"static_load": (load, 0.0, 1e7), "tire_stiffness": (vehicle.tire_stiffness, 1.0, 1e9)}
 
 
 def deflection_of_tire(s: Any, g: Any) -> Any:

@@ -210,14 +210,8 @@ class _Program:
         mean = sparse.csr_array(
             np.concatenate([np.zeros(n + 4 * m), np.full(m, 1 / m)])[np.newaxis]
         )
-        below = sparse.vstack(
-            [
-                sparse.hstack([no_drops, output, -identity]),
-                sparse.hstack([no_drops, -output, -identity]),
-                mean,
-            ]
-        )
-        return equal, below, np.append(np.zeros(2 * m), iri)
+        sizes = sparse.block_array([[no_drops, output, -identity], [no_drops, -output, -identity]])
+        return equal, sparse.vstack([sizes, mean]), np.append(np.zeros(2 * m), iri)
 
 
 def _widened(rows: sparse.sparray) -> sparse.sparray:

@@ -132,14 +132,10 @@ def equal_roughness_pair(
     search = _PhaseSearch(surface, first, i, target, 1.0 if largest else -1.0)
     second = surface.road(search.best(), f"{road.name}, other phases")
     both = (first, second)
-    pair = EqualRoughnessPair(
-        first,
-        second,
-        float(surface.speeds[i]),
-        np.array([surface.dae(each)[i] for each in both]),
-        np.array([each.iri() for each in both]),
-        _psd_difference(*both),
-    )
+    daes = np.array([surface.dae(each)[i] for each in both])
+    iris = np.array([each.iri() for each in both])
+    at, apart = float(surface.speeds[i]), _psd_difference(*both)
+    pair = EqualRoughnessPair(first, second, at, daes, iris, apart)
     if np.abs(pair.iri - target).max() > IRI_TOLERANCE:
         raise RuntimeError(f"no phases of this road have an IRI of {target:g} m/km: {pair!r}")
     return pair

@@ -55,38 +55,28 @@ class Cells:
     quantity, N_INNER samples after a cell's start, and R roads simulated side by side. The road
     of a cell comes as the rows [r at its start, 1 for the static loads, rise of r in it],
     2 n_tires + 1 in all.
-
-    Attributes
-    ----------
-    nodes : ndarray, shape (C + 1,)
-        Positions of the reference tire at the ends of the cells [m].
-    kind, map_of : ndarray of int, shape (C,)
-        Kind and map of each cell.
-    free : ndarray, shape (S, U, points, n, n)
-        States at the stages, the end and points between, from the states at the start, with no
-        input.
-    inputs : ndarray, shape (S, M, n, 2 q)
-        States at the end, from the stage values [R, u].
-    from_states, from_road : ndarray, shapes (S, M, 2 q, n) and (S, M, 2 q, 2 n_tires + 1)
-        Stage values [R, u] of tire forces [N] and surface under the tires [m].
-    effect_from_states : ndarray, shape (S, U, N_INNER, n)
-        The crossing's effect at the samples after the start, from the states at the start.
-    effect_from_stages : ndarray, shape (S, M, N_INNER, 2 q)
-        The same, from the stage values [R, u].
-    effect_constant : float
-        What is always added to it.
     """
 
     nodes: FloatArray
+    """Positions of the reference tire at the ends of the cells [m], (C + 1,)."""
     kind: NDArray[np.intp]
+    """Kind of each cell, (C,)."""
     map_of: NDArray[np.intp]
+    """Map of each cell, (C,)."""
     free: FloatArray
+    """States at `_POINTS` from those at the start, with no input, (S, U, points, n, n)."""
     inputs: FloatArray
+    """States at the end from the stage values [R, u], (S, M, n, 2 q)."""
     from_states: FloatArray
+    """Stage values [R, u], tire forces [N] and surface [m], from states, (S, M, 2 q, n)."""
     from_road: FloatArray
+    """The same from the road rows, (S, M, 2 q, 2 n_tires + 1)."""
     effect_from_states: FloatArray
+    """Effect at the samples after the start from the states there, (S, U, N_INNER, n)."""
     effect_from_stages: FloatArray
+    """The same from the stage values [R, u], (S, M, N_INNER, 2 q)."""
     effect_constant: float
+    """What is always added to it."""
 
     @property
     def n_states(self) -> int:
@@ -94,21 +84,9 @@ class Cells:
         return self.free.shape[-1]
 
     def propagate(self, road: FloatArray, initial: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Run through the cells.
+        """Return states at the nodes, (S, C + 1, n, R), and stage values [R, u], (S, C, 2 q, R).
 
-        Parameters
-        ----------
-        road : ndarray, shape (C, 2 n_tires + 1, R)
-            Road rows of each cell.
-        initial : ndarray, shape (S, n, R)
-            States at the first node.
-
-        Returns
-        -------
-        states : ndarray, shape (S, C + 1, n, R)
-            States at the nodes.
-        stages : ndarray, shape (S, C, 2 q, R)
-            Stage values [R, u].
+        From road rows of the cells, (C, 2 n_tires + 1, R), and states at the first, (S, n, R).
         """
         n_cells = len(self.kind)
         states = np.empty((len(initial), n_cells + 1, *initial.shape[1:]))
@@ -137,16 +115,9 @@ class Cells:
         return from_states, from_road
 
     def inner_effects(self, states: FloatArray, stages: FloatArray) -> FloatArray:
-        """Effect at the samples after the start of all cells of one road.
+        """Effect at the samples after the start of all cells of one road, shape (S, C, N_INNER).
 
-        Parameters
-        ----------
-        states, stages : ndarray, shapes (S, C, n) and (S, C, 2 q)
-            States at the starts and stage values [R, u].
-
-        Returns
-        -------
-        ndarray, shape (S, C, N_INNER)
+        From the states at the starts, (S, C, n), and the stage values [R, u], (S, C, 2 q).
         """
         values = np.einsum("scmi,sci->scm", self.effect_from_states[:, self.kind], states)
         values += np.einsum("scmq,scq->scm", self.effect_from_stages[:, self.map_of], stages)
@@ -209,14 +180,10 @@ def build_cells(
     q = N_STAGES * vehicle.n_tires  # tires innermost
     shapes = shapes.reshape(len(positions), q, n_modes)
     per_force = _modal_gains(held_modes[:, kind_of_map], shapes)
-    from_vehicle, spring = _vehicle_stages(crossing, free_vehicle, held_vehicle, contact)
-    from_states, from_road = _solve_stages(
-        crossing,
-        contact,
-        from_vehicle[:, kind_of_map],
-        spring[:, kind_of_map],
-        *_beam_stages(free_modes[:, kind_of_map], per_force, shapes),
-    )
+    vehicle_stages = _vehicle_stages(crossing, free_vehicle, held_vehicle, contact)
+    from_vehicle, spring = (of[:, kind_of_map] for of in vehicle_stages)
+    beam_stages = _beam_stages(free_modes[:, kind_of_map], per_force, shapes)
+    from_states, from_road = _solve_stages(crossing, contact, from_vehicle, spring, *beam_stages)
 
     batch = per_force.shape[:2]
     of_vehicle, of_beam = slice(n), slice(n, n + 2 * n_modes)
@@ -339,25 +306,11 @@ def hold_responses(
     stages: FloatArray = GAUSS,
     points: FloatArray = _POINTS,
 ) -> tuple[FloatArray, FloatArray]:
-    """Responses of x' = A x + B u at points of cells, exactly.
+    """Responses of x' = A x + B u at points of cells, exactly, to states and inputs.
 
-    Parameters
-    ----------
-    matrix, inputs : ndarray, shapes (..., n, n) and (..., n, m)
-        A and B.
-    durations : ndarray, shape (S, U)
-        Durations of the cells [s].
-    stages : ndarray, shape (q,)
-        Where the values of u are given, as fractions of a cell: it is the polynomial through them.
-    points : ndarray, shape (p,)
-        Where the states are asked for, likewise.
-
-    Returns
-    -------
-    free : ndarray, shape (S, U, ..., p, n, n)
-        Response to the states at the start.
-    held : ndarray, shape (S, U, ..., p, n, q, m)
-        Response to the values of u.
+    A and B have the shapes (..., n, n) and (..., n, m), the durations of the cells [s] (S, U). The
+    input is the polynomial through its values at the q `stages`; the states are asked for at the p
+    `points`, both fractions of a cell: (S, U, ..., p, n, n) and (S, U, ..., p, n, q, m).
     """
     n, m = inputs.shape[-2:]
     batch, n_stages = matrix.shape[:-2], len(stages)

@@ -33,16 +33,10 @@ class LiftOffWarning(UserWarning):
 
 
 class Flight(NamedTuple):
-    """A crossing with tires kept from pulling, its nodes with the events among them.
+    """A crossing with tires kept from pulling, its nodes [m] (m,) with the events among them.
 
-    Attributes
-    ----------
-    nodes : ndarray, shape (m,)
-        Positions of the reference tire [m].
-    states, forces : ndarray, shapes (n, m) and (n_tires, m)
-        States and tire forces [N] at the nodes.
-    effects : ndarray, shape (6 (m - 1) + 1,)
-        The crossing's effect at `bridgectl.linear.cells.sample_positions` of the nodes.
+    States (n, m) and tire forces [N] (n_tires, m) are those at the nodes, the crossing's effect
+    (6 (m - 1) + 1,) that at `bridgectl.linear.cells.sample_positions` of them.
     """
 
     nodes: FloatArray
@@ -110,20 +104,9 @@ class _Stepper:
 
 
 def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
-    """Simulate a crossing with its tires kept from pulling, R >= 0.
+    """Simulate a crossing at a speed [m/s] with its tires kept from pulling, R >= 0.
 
-    Parameters
-    ----------
-    run : Run
-        The crossing; its vehicle starts in equilibrium on a level road.
-    speed : float
-        Speed [m/s].
-    nodes : ndarray
-        Nodes of the cells [m], the kinks among them.
-
-    Returns
-    -------
-    Flight
+    Its vehicle starts in equilibrium on a level road. The nodes of the cells [m] hold all kinks.
     """
     crossing, stepper = run.crossing, _Stepper(run, speed, nodes)
     slack = LIFT_OFF * crossing.linear.static_loads
@@ -156,10 +139,7 @@ def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
             forces.append(force)
     last = _effect(crossing, nodes[-1], state, force)
     return Flight(
-        np.array(places),
-        np.array(states).T,
-        np.array(forces).T,
-        np.append(np.ravel(effects), last),
+        np.array(places), np.array(states).T, np.array(forces).T, np.append(np.ravel(effects), last)
     )
 
 

@@ -31,20 +31,10 @@ class Peaks(NamedTuple):
 
 
 def find_peaks(histories: FloatArray) -> Peaks:
-    """Find the largest value of each history, between the samples too.
+    """Find the largest value of each history, (6 n_cells + 1, n_histories), between samples too.
 
-    A history may have kinks at the nodes and is smooth within a cell, where the
-    polynomial through its seven samples stands for it.
-
-    Parameters
-    ----------
-    histories : ndarray, shape (6 n_cells + 1, n_histories)
-        Values at `bridgectl.linear.cells.sample_positions`.
-
-    Returns
-    -------
-    Peaks
-        Arrays of shape (n_histories,).
+    They are values at `bridgectl.linear.cells.sample_positions`. A history may have kinks at the
+    nodes and is smooth within a cell, where the polynomial through its seven samples stands for it.
     """
     # Within the margin of the largest sample another cell may hold the peak.
     enough = histories.max(axis=0) - margins(histories)
@@ -69,14 +59,9 @@ def find_peaks(histories: FloatArray) -> Peaks:
 
 
 def raise_peaks(best: FloatArray, histories: FloatArray) -> None:
-    """Raise the largest values known of some histories by what a further stretch of them has.
+    """Raise, in place, the largest values of histories so far by those of a further stretch.
 
-    Parameters
-    ----------
-    best : ndarray, shape (n_histories,)
-        Largest values so far, changed in place.
-    histories : ndarray, shape (6 n_cells + 1, n_histories)
-        As in `find_peaks`.
+    Shapes (n_histories,) and, as in `find_peaks`, (6 n_cells + 1, n_histories).
     """
     columns = np.nonzero(histories.max(axis=0) + margins(histories) >= best)[0]
     if columns.size:

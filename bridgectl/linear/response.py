@@ -14,44 +14,22 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl._progress import track
 from bridgectl._units import to_kmh
+from bridgectl.linear import runs
 from bridgectl.linear.cells import SAMPLES, bridge_entry, sample_positions
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.lift_off import fly, warn_of_flight, warn_of_flights
 from bridgectl.linear.peaks import find_peaks
-from bridgectl.linear.runs import (
-    Run,
-    at_nodes,
-    effect_samples,
-    first_flight,
-    lifts_off,
-    propagate,
-    simulate_reference,
-    speed_batches,
-)
 from bridgectl.model.motion import Motion
 
 METHODS = ("propagator", "control")
 
 
 def linear_response(
-    run: Run, motion: Motion, asked: FloatArray | None, method: str
+    run: runs.Run, motion: Motion, asked: FloatArray | None, method: str
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return places, states and tire forces of one crossing, at places [m] or where cells end.
+    """Return places, states and tire forces [N] of one crossing, at places [m] or where cells end.
 
-    Parameters
-    ----------
-    run : Run
-        The crossing and its road.
-    motion : Motion
-        How it comes to a place; by the propagator at constant speed.
-    asked : ndarray, shape (m,), or None
-        Places of the reference tire [m].
-    method : {'propagator', 'control'}
-        Which route.
-
-    Returns
-    -------
-    positions, states, forces : ndarray, shapes (m,), (n, m) and (n_tires, m)
+    Of shapes (m,), (n, m) and (n_tires, m). The propagator takes motions of constant speed alone.
     """
     crossing, speed = run.crossing, np.array([motion.speed])
     tail = (run.end - crossing.exit) / motion.speed
@@ -62,22 +40,22 @@ def linear_response(
         nodes = merge_places(np.concatenate([asked, nodes]))
         keep = np.searchsorted(nodes, asked - SAME_PLACE)
     if method == "control":
-        states, forces = simulate_reference(run, motion, nodes)
+        states, forces = runs.simulate_reference(run, motion, nodes)
     else:
-        stretches = propagate(run, speed, nodes)
-        if not lifts_off(crossing, stretches)[0]:
-            return nodes[keep], *at_nodes(crossing, stretches, keep)
+        stretches = runs.propagate(run, speed, nodes)
+        if not runs.lifts_off(crossing, stretches)[0]:
+            return nodes[keep], *runs.at_nodes(crossing, stretches, keep)
         flight = fly(run, motion.speed, nodes)
         # The places of lift-offs and landings are among its nodes.
         keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
         nodes, states, forces = flight.nodes, flight.states, flight.forces
-    place = first_flight(nodes, forces)
+    place = runs.first_flight(nodes, forces)
     if place is not None:
         warn_of_flight(place)
     return nodes[keep], states[:, keep], forces[:, keep]
 
 
-def checked_times(timepts: ArrayLike, run: Run, motion: Motion) -> FloatArray:
+def checked_times(timepts: ArrayLike, run: runs.Run, motion: Motion) -> FloatArray:
     """Times [s] that a response is asked for, within the crossing."""
     times = _checks.array("timepts", timepts, (None,), unit="s")
     first, last = motion.time(run.start), motion.time(run.end)
@@ -93,7 +71,7 @@ def checked_times(timepts: ArrayLike, run: Run, motion: Motion) -> FloatArray:
 
 
 def as_response(
-    run: Run,
+    run: runs.Run,
     motion: Motion,
     positions: FloatArray,
     states: FloatArray,
@@ -125,31 +103,19 @@ def as_response(
 
 
 def linear_dafs(
-    run: Run, speeds: FloatArray, method: str = "propagator", progress: bool = True
+    run: runs.Run, speeds: FloatArray, method: str = "propagator", progress: bool = True
 ) -> FloatArray:
-    """Return the peak of the effect over its static peak, if it has one, shape (n_speeds,).
-
-    Parameters
-    ----------
-    run : Run
-        The crossing and its road.
-    speeds : ndarray, shape (n_speeds,)
-        Speeds [m/s].
-    method : {'propagator', 'control'}
-        Which route.
-    progress : bool, optional
-        Whether a progress bar shows on a terminal.
-    """
+    """Return the peak of the effect over its static peak, if it has one, at speeds [m/s]."""
     crossing = run.crossing
     require_crossing(run, speeds)
     result = np.empty(speeds.size)
     linear = np.zeros(speeds.size, dtype=bool)
     if method == "propagator":
-        batches = list(speed_batches(run, speeds))
+        batches = list(runs.speed_batches(run, speeds))
         for batch in track(batches, "Simulating crossings", len(batches), show=progress):
-            stretches = propagate(run, speeds[batch], run.nodes(speeds[batch].min()))
-            result[batch] = find_peaks(effect_samples(crossing, stretches[-1]).T).values
-            linear[batch] = ~lifts_off(crossing, stretches)
+            stretches = runs.propagate(run, speeds[batch], run.nodes(speeds[batch].min()))
+            result[batch] = find_peaks(runs.effect_samples(crossing, stretches[-1]).T).values
+            linear[batch] = ~runs.lifts_off(crossing, stretches)
     simulate = _flying_peak if method == "propagator" else _reference_peak
     flights = {}
     flying = np.nonzero(~linear)[0]
@@ -161,19 +127,19 @@ def linear_dafs(
     return crossing.orientation * result
 
 
-def _flying_peak(run: Run, speed: float) -> tuple[float, float | None]:
+def _flying_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
     """DAF with the tires kept from pulling, and where one first leaves the road."""
     flight = fly(run, speed, run.nodes(speed))
-    return _peak(flight.effects, flight.nodes), first_flight(flight.nodes, flight.forces)
+    return _peak(flight.effects, flight.nodes), runs.first_flight(flight.nodes, flight.forces)
 
 
-def _reference_peak(run: Run, speed: float) -> tuple[float, float | None]:
+def _reference_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
     """The same by the reference route."""
     nodes = run.nodes(speed)
     positions = sample_positions(nodes)
-    states, forces = simulate_reference(run, Motion(speed), positions)
+    states, forces = runs.simulate_reference(run, Motion(speed), positions)
     effect = run.crossing.values(positions, states.T, forces.T)
-    return _peak(effect, nodes), first_flight(positions, forces)
+    return _peak(effect, nodes), runs.first_flight(positions, forces)
 
 
 def _peak(samples: FloatArray, nodes: FloatArray) -> float:

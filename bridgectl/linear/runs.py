@@ -77,10 +77,7 @@ class Stretch(NamedTuple):
 
 
 def prepare(
-    crossing: Crossing,
-    profile: RoadProfile | None,
-    start: float,
-    pieces: float = 0.0,
+    crossing: Crossing, profile: RoadProfile | None, start: float, pieces: float = 0.0
 ) -> Run:
     """Check where a crossing starts and that its road covers it, and is not too coarse.
 

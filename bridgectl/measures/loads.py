@@ -187,9 +187,7 @@ def _relative(force: ArrayLike, static_load: ArrayLike) -> FloatArray:
     ratio = forces / _loads(static_load, forces)[..., np.newaxis]
     lowest = np.min(np.mean(ratio, axis=-1), initial=1.0)
     if lowest < 0.5 and asker(2) != "package":  # the mean force of a stretch carries the vehicle
-        warn(
-            f"the mean of force is {lowest:.2g} of static_load: is it R - W? Pass R",
-        )
+        warn(f"the mean of force is {lowest:.2g} of static_load: is it R - W? Pass R")
     return ratio
 
 

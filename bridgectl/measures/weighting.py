@@ -136,6 +136,6 @@ def _sample_time(value: float) -> float:
     if step > LONGEST_SAMPLE:
         warn(
             f"samples {step:g} s apart cannot hold the 80 Hz that W_k weighs: pass "
-            f"{LONGEST_SAMPLE:g} s or less",
+            f"{LONGEST_SAMPLE:g} s or less"
         )
     return step

@@ -109,4 +109,12 @@ def described(bridge: BridgeModel) -> dict[str, Any]:
     """What tells a bridge from others, for files."""
     value: Any = bridge
     known = dataclasses.is_dataclass(value) and not isinstance(value, type)
-    return dataclasses.asdict(value) if known else {"bridge": repr(value)}
+    return dataclasses.asdict(value, dict_factory=_finite) if known else {"bridge": repr(value)}
+
+
+def _finite(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Values by name; JSON has no infinite ones, as of supports."""
+    return {
+        name: "rigid" if isinstance(value, float) and np.isinf(value) else value
+        for name, value in pairs
+    }

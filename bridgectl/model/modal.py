@@ -42,7 +42,7 @@ class ModalBridge:
     x : array_like, shape (n_places,)
         Places along the wheel path [m], from 0 at the start of the bridge to its end.
     mode_shapes : array_like, shape (n_places, n_modes)
-        Deflection of each mode there, downward positive.
+        Deflection of each mode there, downward positive, of any scale [m per modal coordinate].
     frequencies : array_like, shape (n_modes,)
         Natural frequencies [Hz], above 0.
     modal_masses : float or array_like, shape (n_modes,), optional
@@ -74,9 +74,8 @@ class ModalBridge:
     --------
     >>> import numpy as np
     >>> import bridgectl as bc
-    >>> from bridgectl.model.modal import ModalBridge
     >>> x = np.linspace(0, 25, 51)
-    >>> bridge = ModalBridge(
+    >>> bridge = bc.ModalBridge(
     ...     x, np.sin(np.pi * np.outer(x, [1, 2]) / 25), frequencies=[4.09, 16.4],
     ...     modal_masses=229e3, damping_ratio=0.01,
     ...     effects={("moment", 0.5): ([0, 12.5, 25], [0, 6.25, 0], [7.68e8, 0])},
@@ -215,7 +214,7 @@ class ModalBridge:
         Returns
         -------
         ndarray, shape (..., n_modes)
-            As given, times the unit of the modal coordinates.
+            As given [m per modal coordinate].
 
         Raises
         ------

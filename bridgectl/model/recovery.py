@@ -45,28 +45,11 @@ def recover(
 def recover_moment(
     beam: BridgeModel, section: float, recovery: str, tires: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Rows of the bending moment on tire forces and beam states.
+    """Rows of the bending moment at a section, a fraction of the span, on forces and beam states.
 
-    The modal equation eliminates q_j'' from M_mu: what remains is the modal moment, minus the
-    share of the static moment that the truncated modes carry.
-
-    Parameters
-    ----------
-    beam : BridgeModel
-        The bridge.
-    section : float
-        The section, as a fraction of the span.
-    recovery : {'exact', 'li2006', 'modal'}
-        See the module.
-    tires : ndarray, shape (..., n_tires)
-        Positions of the tires [m].
-
-    Returns
-    -------
-    per_force : ndarray, shape (..., n_tires)
-        Moment per tire force [N m / N].
-    per_state : ndarray, shape (2 n_modes,)
-        Moment per beam state, the same everywhere.
+    The modal equation eliminates q_j'' from M_mu: what remains is the modal moment, minus the share
+    of the static moment that the truncated modes carry. Rows per force [N m / N] have the shape of
+    the tires' places [m], (..., n_tires); those per beam state, (2 n_modes,), are the same there.
     """
     displacement = beam.modal_moments(section)
     velocity = np.zeros(beam.n_modes)

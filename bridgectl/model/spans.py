@@ -94,8 +94,7 @@ class Bridge:
     Two spans, and the lowest moment over the middle support under 1 kN in the first one:
 
     >>> import bridgectl as bc
-    >>> from bridgectl.model.spans import Bridge
-    >>> bridge = Bridge([25, 25], mass_per_length=18358, flexural_rigidity=4.86535e10, n_modes=4)
+    >>> bridge = bc.Bridge([25, 25], mass_per_length=18358, flexural_rigidity=4.86535e10, n_modes=4)
     >>> bridge.frequencies.round(3)
     array([ 4.092,  6.392, 16.366, 20.713])
     >>> round(float(bridge.influence_line(25 / 3**0.5, section=0.5)), 3)
@@ -298,8 +297,8 @@ class Bridge:
 
         Examples
         --------
-        >>> from bridgectl.model.spans import Bridge
-        >>> bridge = Bridge([20, 20], 18358, 4.865e10, n_modes=4)
+        >>> import bridgectl as bc
+        >>> bridge = bc.Bridge([20, 20], 18358, 4.865e10, n_modes=4)
         >>> bridge.influence_line([10, 20, 30], section=0.5, quantity="reaction").round(4)
         array([0.6875, 1.    , 0.6875])
         """

@@ -63,32 +63,24 @@ class Wrong(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class DamperCase:
-    """All dampers on one bridge and the roads of one class, found by `validate_dampers`.
-
-    Attributes
-    ----------
-    span : float
-        Length of the bridge [m].
-    road_class : str
-        ISO 8608 class of the roads.
-    dampers : tuple of str
-        Names.
-    n_known : int
-        How many of them, the first, the formula was found with.
-    daf, dae, dae_2 : ndarray, shape (n_dampers, 2, n_pairs, n_speeds)
-        Simulated DAF, DAE of Eq. (15) and of second order [-]: of roads and of their mirror images.
-    class_dae : ndarray, shape (n_dampers,)
-        Mean of the second-order DAE over class and speeds, in closed form [-].
-    """
+    """All dampers on one bridge and the roads of one class, found by `validate_dampers`."""
 
     span: float
+    """Length of the bridge [m]."""
     road_class: str
+    """ISO 8608 class of the roads."""
     dampers: tuple[str, ...]
+    """Names."""
     n_known: int
+    """How many of them, the first, the formula was found with."""
     daf: FloatArray
+    """Simulated DAF [-] of roads and of their mirror images, (n_dampers, 2, n_pairs, n_speeds)."""
     dae: FloatArray
+    """DAE of Eq. (15) [-], likewise."""
     dae_2: FloatArray
+    """DAE of second order [-], likewise."""
     class_dae: FloatArray
+    """Mean of second order over class and speeds, in closed form [-], shape (n_dampers,)."""
 
     def __repr__(self) -> str:
         clear, far = self.clear_pairs, self.far_pairs

@@ -54,19 +54,14 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PaperResults:
-    """The results of the paper, computed; made by `paper_results`.
-
-    Attributes
-    ----------
-    rows : tuple of Row
-        Every printed number beside the computed one.
-    unit, tall : RampSurface
-        Surfaces of the 1 mm ramp (Fig. 5) and of the 10 mm ramp (Fig. 6).
-    """
+    """The results of the paper, computed; made by `paper_results`."""
 
     rows: tuple[Row, ...]
+    """Every printed number beside the computed one."""
     unit: RampSurface
+    """Surface of the 1 mm ramp (Fig. 5)."""
     tall: RampSurface
+    """Surface of the 10 mm ramp (Fig. 6)."""
 
     def __repr__(self) -> str:
         return (
@@ -98,13 +93,9 @@ def paper_results() -> PaperResults:
 
 
 def _surface(ramp_height: float) -> RampSurface:
+    beam, car, speeds = li2006.beam(), li2006.car(), from_kmh(SPEEDS_KMH)
     return ramp_surface(
-        li2006.beam(),
-        li2006.car(),
-        from_kmh(SPEEDS_KMH),
-        ramp_length=SEGMENT,
-        ramp_height=ramp_height,
-        recovery=RECOVERY,
+        beam, car, speeds, ramp_length=SEGMENT, ramp_height=ramp_height, recovery=RECOVERY
     )
 
 
@@ -114,25 +105,16 @@ def _at(kmh: float) -> int:
 
 def _smooth_rows(surface: RampSurface) -> list[Row]:
     smooth = surface.daf_smooth
-    example = Row(
-        f"smooth road, {EXAMPLE_KMH} km/h: DAF",
-        "",
-        li2006.PRINTED["daf_smooth_110"],
-        float(smooth[_at(EXAMPLE_KMH)]),
-    )
+    printed, computed = li2006.PRINTED["daf_smooth_110"], float(smooth[_at(EXAMPLE_KMH)])
+    rows = [Row(f"smooth road, {EXAMPLE_KMH} km/h: DAF", "", printed, computed)]
     inner = smooth[1:-1]
     peaks = 1 + np.flatnonzero((inner > smooth[:-2]) & (inner > smooth[2:]))
     twins = np.sort(peaks[np.argsort(smooth[peaks])[-2:]])
-    return [example] + [
-        Row(
-            f"critical speed, {which} of two",
-            "km/h",
-            li2006.PRINTED["critical_speed_kmh"],
-            float(SPEEDS_KMH[peak]),
-            f"DAF {smooth[peak]:.4f}",
-        )
-        for which, peak in zip(("first", "second"), twins, strict=True)
-    ]
+    printed = li2006.PRINTED["critical_speed_kmh"]
+    for which, peak in zip(("first", "second"), twins, strict=True):
+        what, note = f"critical speed, {which} of two", f"DAF {smooth[peak]:.4f}"
+        rows.append(Row(what, "km/h", printed, float(SPEEDS_KMH[peak]), note))
+    return rows
 
 
 def _unit_ramp_rows(surface: RampSurface) -> list[Row]:
@@ -142,16 +124,10 @@ def _unit_ramp_rows(surface: RampSurface) -> list[Row]:
     for place in li2006.FIG7_RAMPS:
         printed = li2006.PRINTED[f"unit_ramp_{place:g}l_{EXAMPLE_KMH}"]
         start = round(place * span / SEGMENT)
+        what = f"1 mm ramp at {place:g} l, {EXAMPLE_KMH} km/h"
         for ramp in (start, start - 1):
-            rows.append(
-                Row(
-                    f"1 mm ramp at {place:g} l, {EXAMPLE_KMH} km/h",
-                    "",
-                    printed,
-                    float(effect[ramp]),
-                    f"from {ramp * SEGMENT:.1f} m to {(ramp + 1) * SEGMENT:.1f} m",
-                )
-            )
+            note = f"from {ramp * SEGMENT:.1f} m to {(ramp + 1) * SEGMENT:.1f} m"
+            rows.append(Row(what, "", printed, float(effect[ramp]), note))
     return rows
 
 
@@ -173,20 +149,13 @@ def _tall_ramp_rows(surface: RampSurface) -> list[Row]:
     speed, places = _at(CRITICAL_KMH), surface.positions / surface.beam.length
     lowest = int(surface.daf_unit[speed].argmin())
     effect = np.abs(surface.daf_difference)[:, places > 0.5 - 1e-9]
+    latest = f"at {SPEEDS_KMH[effect.max(axis=1).argmax()]:.0f} km/h, a later peak"
+    printed, note = li2006.PRINTED["tall_ramp_lowest"], f"DAF {surface.daf_unit[speed, lowest]:.4f}"
+    what = f"10 mm ramp, {CRITICAL_KMH} km/h: low at"
     return [
-        Row(
-            f"10 mm ramp, {CRITICAL_KMH} km/h: low at",
-            "x/l",
-            li2006.PRINTED["tall_ramp_lowest"],
-            float(places[lowest]),
-            f"DAF {surface.daf_unit[speed, lowest]:.4f}",
-        ),
+        Row(what, "x/l", printed, float(places[lowest]), note),
         _right_half(f"{CRITICAL_KMH} km/h", effect[speed : speed + 1], "largest effect"),
-        _right_half(
-            "any speed",
-            effect,
-            f"at {SPEEDS_KMH[effect.max(axis=1).argmax()]:.0f} km/h, a later peak",
-        ),
+        _right_half("any speed", effect, latest),
     ]
 
 

@@ -56,34 +56,28 @@ class Peak(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One road on one bridge: amplifications over speed, found by `validate`.
-
-    Attributes
-    ----------
-    span, approach : float
-        Length of the bridge, and of the road before it that counts [m].
-    road : int
-        Number of the road, from 1.
-    speeds : ndarray, shape (n_speeds,)
-        Speeds c [m/s].
-    smooth, dae, superposed, simulated : ndarray, shape (n_speeds,)
-        DAF of a smooth road, DAE of Eq. (15), superposed and simulated DAF.
-    flying : ndarray of bool, shape (n_speeds,)
-        Where a tire leaves the road; the superposed DAF is a simulated one there.
-    lift_off : float or None
-        First place where a tire leaves the road at any of those speeds [m].
-    """
+    """One road on one bridge: amplifications over speed, found by `validate`."""
 
     span: float
+    """Length of the bridge [m]."""
     approach: float
+    """Length of the road before it that counts [m]."""
     road: int
+    """Number of the road, from 1."""
     speeds: FloatArray
+    """Speeds c [m/s], shape (n_speeds,), as of all arrays."""
     smooth: FloatArray
+    """DAF of a smooth road."""
     dae: FloatArray
+    """DAE of Eq. (15)."""
     superposed: FloatArray
+    """Superposed DAF; where a tire leaves the road, the simulated one."""
     simulated: FloatArray
+    """Simulated DAF."""
     flying: NDArray[np.bool_]
+    """Where a tire leaves the road."""
     lift_off: float | None
+    """First place where a tire leaves the road at any of those speeds [m]."""
 
     def __repr__(self) -> str:
         return (
@@ -157,24 +151,16 @@ class WarningLight(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ValidationResults:
-    """Amplifications of roads on bridges, found by `validate`.
-
-    Attributes
-    ----------
-    roads : tuple of RoadProfile
-        The roads; a case has the number of its own, from 1.
-    speeds : ndarray, shape (n_speeds,)
-        Speeds c [m/s].
-    cases : tuple of Case
-        Every road on every bridge with every approach: by span, approach and road.
-    light : WarningLight
-        How well the DAE's warning light tells of large errors, on many random roads.
-    """
+    """Amplifications of roads on bridges, found by `validate`."""
 
     roads: tuple[RoadProfile, ...]
+    """The roads; a case has the number of its own, from 1."""
     speeds: FloatArray
+    """Speeds c [m/s], shape (n_speeds,)."""
     cases: tuple[Case, ...]
+    """Every road on every bridge with every approach: by span, approach and road."""
     light: WarningLight
+    """How well the DAE's warning light tells of large errors, on many random roads."""
 
     def __repr__(self) -> str:
         kmh = to_kmh(self.speeds)
@@ -269,18 +255,13 @@ def _warning_light(speeds: FloatArray, n_roads: int, progress: bool) -> WarningL
     beam = li2006.beam(EXTREME_SPAN)
     surface = ramp_surface(beam, li2006.car(), speeds)
     half = n_roads // 2
-    roads = np.vstack(
-        [
-            iso8608_elevations(count, iso_class, beam.length, SEGMENT, seed=SEED)
-            for iso_class, count in (("A", half), ("B", n_roads - half))
-        ]
-    )
+    each = (half, "A"), (n_roads - half, "B")
+    roads = np.vstack([iso8608_elevations(*some, beam.length, SEGMENT, seed=SEED) for some in each])
     counts = np.zeros(4, dtype=int)
     parts = np.array_split(roads, max(1, n_roads // PART))
     for part in track(parts, "Random roads", len(parts), show=progress):
         trust = dae_trust(surface, part)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", LiftOffWarning)
+        with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
             error = np.abs(surface.dae(part) - surface.superposed_daf(part))
         large, lit = error > TOLERANCE, ~trust.trusted
         counts += [large.size, large.sum(), lit.sum(), (large & lit).sum()]
@@ -289,15 +270,14 @@ def _warning_light(speeds: FloatArray, n_roads: int, progress: bool) -> WarningL
 
 def _cases(surface: RampSurface, roads: Sequence[RoadProfile]) -> Iterator[Case]:
     """Every road on one bridge; the superposed histories of all in one product."""
-    with warnings.catch_warnings():  # the simulations tell of tires that leave the road
-        warnings.simplefilter("ignore", LiftOffWarning)
+    # The simulations tell of tires that leave the road.
+    with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
         superposed = surface.superposed_daf(roads)
     for number, road in enumerate(roads, 1):
         exact, (simulated, flew) = superposed[number - 1], _simulated(surface, road)
         flying, place = np.zeros(len(surface.speeds), dtype=bool), None
         if flew:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", LiftOffWarning)
+            with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
                 flying, place = _flights(surface, road)
         yield Case(
             surface.beam.length, surface.approach, number, surface.speeds, surface.daf_smooth,
@@ -307,8 +287,7 @@ def _cases(surface: RampSurface, roads: Sequence[RoadProfile]) -> Iterator[Case]
 
 def _simulated(surface: RampSurface, road: RoadProfile) -> tuple[FloatArray, bool]:
     """Simulated DAF, and whether a tire leaves the road at any speed."""
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always", LiftOffWarning)
+    with warnings.catch_warnings(record=True, action="always", category=LiftOffWarning) as told:
         values = daf(surface.beam, surface.vehicle, surface.speeds, road, start=-surface.approach)
     return values, any(issubclass(warning.category, LiftOffWarning) for warning in told)
 

@@ -13,20 +13,9 @@ from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 
 from bridgectl._checks import FloatArray
 from bridgectl._units import to_kmh
+from bridgectl.plots import style
 from bridgectl.plots.bridge import supports_of
 from bridgectl.plots.shown import BeamShown, RoadShown
-from bridgectl.plots.style import (
-    BLACK,
-    BLUE,
-    BRIDGE_TINT,
-    DECK,
-    GREY,
-    GROUND,
-    PAVEMENT,
-    STATION_LABEL,
-    VERMILLION,
-    styled,
-)
 
 BEFORE, AFTER = 0.3, 0.26
 """How much road is shown before and after the bridge, in spans."""
@@ -77,7 +66,7 @@ class DrawnCrossing(NamedTuple):
     """Modal deflections of the beam, shape (m, n_modes)."""
 
 
-@styled
+@style.styled
 def draw_crossing(motion: DrawnCrossing, fps: float) -> FuncAnimation:
     """Draw what `bridgectl.animation.crossing_animation` simulated, at some frames per second."""
     scene, x = _Scene(motion), motion.x
@@ -116,9 +105,11 @@ class _Scene:
         self.scene = self.figure.add_axes((LEFT, SCENE[0], WIDTH, SCENE[1]))
         self._draw_ground()
         self._draw_vehicle()
-        self.moment, self.moment_now = self._panel(MOMENT, BLUE, "moment", "moment\n$M / M_0$ [-]")
+        self.moment, self.moment_now = self._panel(
+            MOMENT, style.BLUE, "moment", "moment\n$M / M_0$ [-]"
+        )
         self.force, self.force_now = self._panel(
-            FORCE, VERMILLION, "tire force", "tire force\n$R / W$ [-]"
+            FORCE, style.VERMILLION, "tire force", "tire force\n$R / W$ [-]"
         )
         self._finish_panels()
 
@@ -132,7 +123,7 @@ class _Scene:
             0.995, 0.97,
             f"drawn taller: deflection of the bridge {self.by_bridge:g} times,\n"
             f"road, tire and suspension {self.by_ride:g} times",
-            transform=self.scene.transAxes, ha="right", va="top", color=GREY, fontsize=8.5,
+            transform=self.scene.transAxes, ha="right", va="top", color=style.GREY, fontsize=8.5,
         )  # fmt: skip
 
     def draw(self, frame: int) -> list[Any]:
@@ -174,18 +165,18 @@ class _Scene:
         ratio = SIZE[1] * SCENE[1] / (SIZE[0] * WIDTH)
         # One metre is as tall as it is long.
         ax.set(xlim=self.window, ylim=(low, low + ratio * unit), yticks=[])
-        ax.axvspan(0, span, color=BRIDGE_TINT, zorder=0)
+        ax.axvspan(0, span, color=style.BRIDGE_TINT, zorder=0)
         for side in (self.x <= 0, self.x >= span):
-            ax.fill_between(self.x[side], heights[side], low, color=GROUND, lw=0)
+            ax.fill_between(self.x[side], heights[side], low, color=style.GROUND, lw=0)
         foot = self.under - 0.014 * unit
         for place, marker in self.supports:
-            style: Any = {"marker": marker, "ms": 11, "color": DECK, "clip_on": False}
-            ax.plot([place], [foot], ls="none", **style)
-        self.deck = Polygon(np.zeros((3, 2)), color=DECK, lw=0, zorder=1.5)
-        self.pavement = Polygon(np.zeros((3, 2)), color=PAVEMENT, lw=0, zorder=1.4)
+            look: Any = {"marker": marker, "ms": 11, "color": style.DECK, "clip_on": False}
+            ax.plot([place], [foot], ls="none", **look)
+        self.deck = Polygon(np.zeros((3, 2)), color=style.DECK, lw=0, zorder=1.5)
+        self.pavement = Polygon(np.zeros((3, 2)), color=style.PAVEMENT, lw=0, zorder=1.4)
         for part in (self.deck, self.pavement):
             ax.add_patch(part)
-        (self.road,) = ax.plot([], [], color=BLACK, lw=1.2, label="road")
+        (self.road,) = ax.plot([], [], color=style.BLACK, lw=1.2, label="road")
         ax.grid(False)
         ax.spines["left"].set_visible(False)
         ax.tick_params(labelbottom=False)
@@ -193,15 +184,17 @@ class _Scene:
     def _draw_vehicle(self) -> None:
         """Body, spring, axle and tire, moved by `draw`."""
         ax, unit = self.scene, self.unit
-        self.tire = Circle((0, 0), TIRE * unit, fc="#4a4a4a", ec=BLACK, lw=1.0, zorder=4)
+        self.tire = Circle((0, 0), TIRE * unit, fc="#4a4a4a", ec=style.BLACK, lw=1.0, zorder=4)
         self.tire.set_label("tire")
         ax.add_patch(self.tire)
-        (self.axle,) = ax.plot([], [], color=BLACK, lw=2.0, zorder=5)
-        (self.hub,) = ax.plot([], [], "o", ms=8, mfc="#d9d9d9", mec=BLACK, zorder=5, label="hub")
-        (self.spring,) = ax.plot([], [], color=BLACK, lw=1.3, zorder=3)
+        (self.axle,) = ax.plot([], [], color=style.BLACK, lw=2.0, zorder=5)
+        (self.hub,) = ax.plot(
+            [], [], "o", ms=8, mfc="#d9d9d9", mec=style.BLACK, zorder=5, label="hub"
+        )
+        (self.spring,) = ax.plot([], [], color=style.BLACK, lw=1.3, zorder=3)
         self.body = FancyBboxPatch(
-            (0, 0), BODY[0] * unit, BODY[1] * unit, fc=VERMILLION, ec=BLACK, lw=1.0, zorder=4,
-            boxstyle=f"round,pad=0,rounding_size={0.008 * unit}", label="body",
+            (0, 0), BODY[0] * unit, BODY[1] * unit, fc=style.VERMILLION, ec=style.BLACK, lw=1.0,
+            zorder=4, boxstyle=f"round,pad=0,rounding_size={0.008 * unit}", label="body",
         )  # fmt: skip
         ax.add_patch(self.body)
 
@@ -210,7 +203,7 @@ class _Scene:
     ) -> tuple[Any, Any]:
         """A curve over the position of the tire, and its end."""
         ax = self.figure.add_axes((LEFT, place[0], WIDTH, place[1]), sharex=self.scene)
-        ax.axvspan(0, self.span, color=BRIDGE_TINT, zorder=0)
+        ax.axvspan(0, self.span, color=style.BRIDGE_TINT, zorder=0)
         (curve,) = ax.plot([], [], color=color, lw=1.8, label=name)
         (now,) = ax.plot([], [], "o", color=color, ms=6)
         ax.set_ylabel(label)
@@ -221,17 +214,17 @@ class _Scene:
         m = self.motion
         above: Axes = self.moment.axes
         below: Axes = self.force.axes
-        above.plot(m.x, m.static, ":", color=GREY, lw=1.4, label="static")
-        (self.peak,) = above.plot([], [], "o", ms=7, mfc="none", mec=BLACK, mew=1.2)
+        above.plot(m.x, m.static, ":", color=style.GREY, lw=1.4, label="static")
+        (self.peak,) = above.plot([], [], "o", ms=7, mfc="none", mec=style.BLACK, mew=1.2)
         self.peak_text = above.text(
-            0.995, 0.95, "", transform=above.transAxes, ha="right", va="top", color=BLACK
+            0.995, 0.95, "", transform=above.transAxes, ha="right", va="top", color=style.BLACK
         )
         above.set_ylim(min(-0.1, float(m.moment.min()) - 0.1), float(m.moment.max()) + 0.15)
         above.tick_params(labelbottom=False)
         above.legend(loc="upper left", handlelength=1.6, borderaxespad=0.2)
-        below.axhline(1.0, color=GREY, ls=":", lw=1.4)
+        below.axhline(1.0, color=style.GREY, ls=":", lw=1.4)
         reach = max(0.1, 1.15 * float(np.abs(m.force - 1).max()))
-        below.set(ylim=(1 - reach, 1 + reach), xlabel=f"tire at {STATION_LABEL}")
+        below.set(ylim=(1 - reach, 1 + reach), xlabel=f"tire at {style.STATION_LABEL}")
         self.figure.align_ylabels([above, below])
 
 

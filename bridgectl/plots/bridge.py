@@ -10,18 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.markers import CARETUP
 
 from bridgectl._units import to_kmh
+from bridgectl.plots import style
 from bridgectl.plots.shown import BeamShown, EffectShown, EnvelopeShown
-from bridgectl.plots.style import (
-    BLUE,
-    BRIDGE_TINT,
-    DECK,
-    GREY,
-    STATION_LABEL,
-    TRACKS,
-    VERMILLION,
-    new_axes,
-    styled,
-)
 
 SHOWN = {
     "N m": ("kN m", 1e-3), "N": ("kN", 1e-3), "m": ("mm", 1e3), "N/m^2": ("MPa", 1e-6),
@@ -50,7 +40,7 @@ def supports_of(bridge: BeamShown) -> Iterator[tuple[float, Any]]:
             yield float(place), {"simple": CARETUP, "clamped": "s"}.get(kind, "D")
 
 
-@styled
+@style.styled
 def bridge_plot(
     bridge: BeamShown, effect: EffectShown | None = None, ax: Axes | None = None
 ) -> Axes:
@@ -79,7 +69,7 @@ def bridge_plot(
     >>> bc.plots.bridge_plot(bridge, bc.Moment(25.0)).get_ylabel()
     'bending moment [kN m/kN]'
     """
-    ax = new_axes(ax)
+    ax = style.new_axes(ax)
     x = np.linspace(0.0, bridge.length, POINTS)
     if effect is None:
         frequencies = np.sort(bridge.omega)[:MODES] / (2 * np.pi)
@@ -87,33 +77,35 @@ def bridge_plot(
         shapes = bridge.mode_shapes(x)[:, order]
         shapes = shapes / np.abs(shapes).max(axis=0)
         for i, (frequency, shape) in enumerate(zip(frequencies, shapes.T, strict=True)):
-            ax.plot(x, shape, color=TRACKS[i], lw=1.8, label=f"mode {i + 1}: {frequency:.3g} Hz")
+            ax.plot(
+                x, shape, color=style.TRACKS[i], lw=1.8, label=f"mode {i + 1}: {frequency:.3g} Hz"
+            )
         ax.legend(**ABOVE, ncols=2)
         ax.set_ylabel("mode shape, over its largest [-]")
     else:
         unit, factor = PER_FORCE.get(effect.unit, (f"{effect.unit} / N", 1.0))
         line = factor * effect.influence_line(bridge, x)
-        ax.plot(x, line, color=BLUE, lw=1.8)
-        ax.fill_between(x, line, color=BLUE, alpha=0.15, lw=0)
+        ax.plot(x, line, color=style.BLUE, lw=1.8)
+        ax.fill_between(x, line, color=style.BLUE, alpha=0.15, lw=0)
         at = bridge.length / 2 if effect.at is None else effect.at
         ax.set(ylabel=f"{effect.label} [{unit}]", title=f"{effect.label} at {at:.4g} m per force")
     _finish(ax, bridge, downward=effect is None or effect.unit in ("N m", "m"))
     return ax
 
 
-@styled
+@style.styled
 def envelope_plot(envelope: EnvelopeShown, ax: Axes | None = None) -> Axes:
     """Draw an envelope along its bridge, that of the static load dashed."""
-    ax, x = new_axes(ax), envelope.places
+    ax, x = style.new_axes(ax), envelope.places
     unit, factor = SHOWN[envelope.unit]
     largest, smallest = factor * envelope.largest, factor * envelope.smallest
-    ax.fill_between(x, smallest, largest, color=BRIDGE_TINT, lw=0)
-    ax.plot(x, largest, color=VERMILLION, lw=1.8, label="largest")
-    ax.plot(x, smallest, color=BLUE, lw=1.8, label="smallest")
+    ax.fill_between(x, smallest, largest, color=style.BRIDGE_TINT, lw=0)
+    ax.plot(x, largest, color=style.VERMILLION, lw=1.8, label="largest")
+    ax.plot(x, smallest, color=style.BLUE, lw=1.8, label="smallest")
     if envelope.quantity != "acceleration":
         label: str | None = "static"
         for static in (envelope.static_largest, envelope.static_smallest):
-            ax.plot(x, factor * static, "--", color=GREY, lw=1.4, label=label)
+            ax.plot(x, factor * static, "--", color=style.GREY, lw=1.4, label=label)
             label = None
     ax.set(
         ylabel=f"{envelope.quantity} [{unit}]",
@@ -126,9 +118,11 @@ def envelope_plot(envelope: EnvelopeShown, ax: Axes | None = None) -> Axes:
 
 def _finish(ax: Axes, bridge: BeamShown, *, downward: bool) -> None:
     """Deck and supports along zero, and what is positive downward below them."""
-    ax.plot([0, bridge.length], [0, 0], color=DECK, lw=2.5, solid_capstyle="butt", zorder=1.5)
+    ax.plot([0, bridge.length], [0, 0], color=style.DECK, lw=2.5, solid_capstyle="butt", zorder=1.5)
     for place, marker in supports_of(bridge):
-        ax.plot([place], [0], ls="none", marker=marker, ms=11, color=DECK, clip_on=False, zorder=5)
-    ax.set(xlabel=STATION_LABEL, xlim=(0, bridge.length))
+        ax.plot(
+            [place], [0], ls="none", marker=marker, ms=11, color=style.DECK, clip_on=False, zorder=5
+        )
+    ax.set(xlabel=style.STATION_LABEL, xlim=(0, bridge.length))
     if downward and not ax.yaxis_inverted():
         ax.invert_yaxis()

@@ -10,28 +10,15 @@ from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
 from bridgectl._units import to_kmh
+from bridgectl.plots import style
 from bridgectl.plots.shown import RoadShown, SurfaceShown
-from bridgectl.plots.style import (
-    BLACK,
-    BLUE,
-    BRIDGE_TINT,
-    DECK,
-    GREY,
-    GROUND,
-    PAVEMENT,
-    SKY,
-    SPEED_LABEL,
-    STATION_LABEL,
-    VERMILLION,
-    styled,
-)
 from bridgectl.plots.surface import curve_of, dots_of
 
 MARKED = 10
 """How many of the largest contributions are marked."""
 
 
-@styled
+@style.styled
 def dae_figure(
     surface: SurfaceShown, road: RoadShown, *, superposed: ArrayLike | None = None,
     simulated: ArrayLike | None = None,
@@ -99,20 +86,20 @@ def _draw_speeds(
     ax: Axes, surface: SurfaceShown, road: RoadShown, superposed: FloatArray,
     simulated: ArrayLike | None, critical: int,
 ) -> None:  # fmt: skip
-    def curve(values: ArrayLike, label: str, color: str, style: str, width: float) -> None:
+    def curve(values: ArrayLike, label: str, color: str, dashes: str, width: float) -> None:
         x, y = curve_of(surface, values)
-        ax.plot(x, y, style, color=color, lw=width, label=label, ms=width + 2, **dots_of(surface))
+        ax.plot(x, y, dashes, color=color, lw=width, label=label, ms=width + 2, **dots_of(surface))
 
     known = superposed if simulated is None else np.asarray(simulated)
-    curve(surface.daf_smooth, "DAF, smooth road", GREY, ":", 1.8)
-    curve(superposed, "superposed DAF", SKY, "-", 5.0)
+    curve(surface.daf_smooth, "DAF, smooth road", style.GREY, ":", 1.8)
+    curve(superposed, "superposed DAF", style.SKY, "-", 5.0)
     if simulated is not None:
-        curve(simulated, "simulated DAF", BLACK, "-", 1.3)
+        curve(simulated, "simulated DAF", style.BLACK, "-", 1.3)
     dae = surface.dae(road)
-    curve(dae, "DAE", VERMILLION, "--", 1.8)
+    curve(dae, "DAE", style.VERMILLION, "--", 1.8)
     kmh, peak = to_kmh(surface.speeds[critical]), known[critical]
     in_left_half = kmh <= to_kmh((surface.speeds.min() + surface.speeds.max()) / 2)
-    ax.axvline(kmh, color=GREY, lw=0.9, zorder=1)
+    ax.axvline(kmh, color=style.GREY, lw=0.9, zorder=1)
     ax.annotate(
         f"critical speed {kmh:.4g} km/h, DAF {peak:.3f}",
         (kmh, max(peak, dae.max(), surface.daf_smooth.max())),
@@ -121,7 +108,7 @@ def _draw_speeds(
         ha="left" if in_left_half else "right",
     )
     ax.margins(x=0.01, y=0.1)
-    ax.set(xlabel=SPEED_LABEL, ylabel="amplification DAF, DAE [-]")
+    ax.set(xlabel=style.SPEED_LABEL, ylabel="amplification DAF, DAE [-]")
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=4)
 
 
@@ -138,13 +125,13 @@ def _draw_road(
     on = (x >= 0) & (x <= span)
     deck = z[on].min() - 0.04 * height
     under_deck, bottom = deck - 0.09 * height, min(z.min(), deck) - 0.45 * height
-    ax.axvspan(0, span, color=BRIDGE_TINT, zorder=0)
+    ax.axvspan(0, span, color=style.BRIDGE_TINT, zorder=0)
     for side in (x <= 0, x >= span):
-        ax.fill_between(x[side], z[side], bottom, color=GROUND, lw=0)
-    ax.fill_between(x[on], z[on], deck, color=PAVEMENT, lw=0)
-    ax.fill_between([0, span], deck, under_deck, color=DECK, lw=0)
-    ax.plot([0, span], [under_deck] * 2, ls="none", marker=CARETUP, ms=9, color=DECK)
-    ax.plot(x, z, color=BLACK, lw=1.1)
+        ax.fill_between(x[side], z[side], bottom, color=style.GROUND, lw=0)
+    ax.fill_between(x[on], z[on], deck, color=style.PAVEMENT, lw=0)
+    ax.fill_between([0, span], deck, under_deck, color=style.DECK, lw=0)
+    ax.plot([0, span], [under_deck] * 2, ls="none", marker=CARETUP, ms=9, color=style.DECK)
+    ax.plot(x, z, color=style.BLACK, lw=1.1)
     ax.set(xlim=window, ylim=(bottom, z.max() + 0.1 * height))
     ax.tick_params(labelbottom=False)
 
@@ -154,15 +141,15 @@ def _draw_contributions(
 ) -> None:
     """What each ramp adds to the DAE, as a line at its middle."""
     x = surface.positions + surface.ramp_length / 2
-    ax.axvspan(0, surface.beam.length, color=BRIDGE_TINT, zorder=0)
-    for sign, color, label in ((1, VERMILLION, "raises it"), (-1, BLUE, "lowers it")):
+    ax.axvspan(0, surface.beam.length, color=style.BRIDGE_TINT, zorder=0)
+    for sign, color, label in ((1, style.VERMILLION, "raises it"), (-1, style.BLUE, "lowers it")):
         of_sign = sign * effects > 0
         ax.vlines(x[of_sign], 0, effects[of_sign], color=color, lw=1.1, label=label)
     largest = np.argsort(-np.abs(effects), kind="stable")[:MARKED]
     seen = largest[(x[largest] > window[0]) & (effects[largest] != 0)]
-    ax.plot(x[seen], effects[seen], "o", ms=4, color=BLACK, label=f"{MARKED} largest")
-    ax.axhline(0, color=GREY, lw=0.8)
-    ax.set_xlabel(STATION_LABEL)
+    ax.plot(x[seen], effects[seen], "o", ms=4, color=style.BLACK, label=f"{MARKED} largest")
+    ax.axhline(0, color=style.GREY, lw=0.8)
+    ax.set_xlabel(style.STATION_LABEL)
     ax.margins(y=0.12)
 
 

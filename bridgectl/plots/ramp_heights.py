@@ -52,7 +52,7 @@ def ramp_height_figure(found: Sequence[RampHeightsShown]) -> Figure:
 def _one_place(found: object) -> str:
     """Tell place and speed of the results; refuse what is none, and those that no title fits."""
     listed = found if isinstance(found, list | tuple) else []
-    if not listed or not all(isinstance(one, RampHeightsShown) for one in listed):
+    if not listed or not all(hasattr(one, "second_order") for one in listed):
         raise TypeError(
             f"found must be a list of RampHeights, one or more, got {found!r:.60}: type for "
             "example [bridgectl.ramp_heights(beam, vehicle, damper, speed, place)]"

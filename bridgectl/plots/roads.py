@@ -11,21 +11,13 @@ from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
 from bridgectl._units import to_kmh
+from bridgectl.plots import style
 from bridgectl.plots.shown import LineShown, PairShown, PsdShown, RoadShown
-from bridgectl.plots.style import (
-    BRIDGE_TINT,
-    GREY,
-    SPEED_LABEL,
-    STATION_LABEL,
-    TRACKS,
-    new_axes,
-    styled,
-)
 
 FILE_STATION_LABEL = "station [m]"
 
 
-@styled
+@style.styled
 def profile_figure(roads: Sequence[RoadShown], segment: float = 100.0) -> Figure:
     """Draw the tracks of a road: elevation, IRI of each segment [m], and spectrum."""
     figure = Figure(figsize=(10.0, 8.4), layout="constrained")
@@ -42,9 +34,9 @@ def profile_figure(roads: Sequence[RoadShown], segment: float = 100.0) -> Figure
         below.stairs(iri, edges, baseline=None, color=color, lw=1.8, label=label)
     above.set(ylabel="elevation, up [mm]", title="elevation without its straight line")
     above.tick_params(labelbottom=False)
-    below.axhline(good, color=GREY, ls="--", lw=1.2)
+    below.axhline(good, color=style.GREY, ls="--", lw=1.2)
     below.annotate(
-        f"not good: {good:g} m/km and more", (0.01, good), (0, 4), color=GREY,
+        f"not good: {good:g} m/km and more", (0.01, good), (0, 4), color=style.GREY,
         xycoords=("axes fraction", "data"), textcoords="offset points",
     )  # fmt: skip
     below.set(
@@ -56,15 +48,15 @@ def profile_figure(roads: Sequence[RoadShown], segment: float = 100.0) -> Figure
     return figure
 
 
-@styled
+@style.styled
 def psd_plot(psd: PsdShown, ax: Axes | None = None) -> Axes:
     """Draw the spectrum of a road over the classes of ISO 8608:2016, Annex B."""
-    ax = new_axes(ax)
+    ax = style.new_axes(ax)
     _draw_spectra(ax, [psd])
     return ax
 
 
-@styled
+@style.styled
 def pair_figure(
     pair: PairShown, speeds: ArrayLike, daf: ArrayLike, *, smooth: ArrayLike | None = None
 ) -> Figure:
@@ -84,15 +76,17 @@ def pair_figure(
         look = {"lw": 3.0 - 2 * i, "color": color, "label": f"case {i + 1}"}
         panels["spectra"].loglog(psd.wavenumber, psd.density, **look)
     if smooth is not None:
-        panels["daf"].plot(kmh, smooth, ":", color=GREY, lw=1.8, label="smooth road")
-    panels["daf"].axvline(to_kmh(pair.speed), color=GREY, lw=0.9, zorder=1)
+        panels["daf"].plot(kmh, smooth, ":", color=style.GREY, lw=1.8, label="smooth road")
+    panels["daf"].axvline(to_kmh(pair.speed), color=style.GREY, lw=0.9, zorder=1)
     panels["daf"].set(
-        xlabel=SPEED_LABEL, ylabel="DAF [-]",
+        xlabel=style.SPEED_LABEL, ylabel="DAF [-]",
         title=f"made to differ at {to_kmh(pair.speed):.4g} km/h",
     )  # fmt: skip
-    panels["roads"].axvspan(0, float(roads[0].x[-1]), color=BRIDGE_TINT, zorder=0)
+    panels["roads"].axvspan(0, float(roads[0].x[-1]), color=style.BRIDGE_TINT, zorder=0)
     panels["roads"].set(
-        xlabel=STATION_LABEL, ylabel="elevation, up [mm]", title="two roads of equal roughness"
+        xlabel=style.STATION_LABEL,
+        ylabel="elevation, up [mm]",
+        title="two roads of equal roughness",
     )
     panels["spectra"].set(
         xlabel="wave number [cycles/m]", ylabel="$G_d$ [m³]", title="with one periodogram"
@@ -146,11 +140,11 @@ def _draw_classes(
     for i, (name, (lower, mean, upper)) in enumerate(classes.items()):
         if i % 2 == 0:
             limits_at = lower.density(n), upper.density(n)
-            ax.fill_between(n, *limits_at, color=BRIDGE_TINT, lw=0, zorder=0)
+            ax.fill_between(n, *limits_at, color=style.BRIDGE_TINT, lw=0, zorder=0)
         height = float(mean.density(place))
         if limits[0] < height < limits[1]:
-            ax.text(place, height, name, color=GREY, ha="center", va="center", fontsize=11)
+            ax.text(place, height, name, color=style.GREY, ha="center", va="center", fontsize=11)
 
 
 def _colors(count: int) -> list[str]:
-    return [TRACKS[i % len(TRACKS)] for i in range(count)]
+    return [style.TRACKS[i % len(style.TRACKS)] for i in range(count)]

@@ -14,16 +14,8 @@ from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
 from bridgectl._units import to_kmh
+from bridgectl.plots import style
 from bridgectl.plots.shown import PaperShown, RoadShown, SurfaceShown
-from bridgectl.plots.style import (
-    BLACK,
-    PLACE_LABEL,
-    SPEED_LABEL,
-    TRACKS,
-    VERMILLION,
-    new_axes,
-    styled,
-)
 
 N_LINES = 5
 """Lines of a plot that is not told its speeds."""
@@ -32,16 +24,16 @@ FEW = 15
 """Curves of fewer points than this show them."""
 
 
-@styled
+@style.styled
 def smooth_daf_plot(surface: SurfaceShown, ax: Axes | None = None) -> Axes:
     """Draw the DAF of a smooth road over the speed, Fig. 2 of the paper."""
-    ax = new_axes(ax)
-    ax.plot(*curve_of(surface, surface.daf_smooth), color=BLACK, **dots_of(surface))
-    ax.set(xlabel=SPEED_LABEL, ylabel="{}, smooth road [{}]".format(*surface.quantity))
+    ax = style.new_axes(ax)
+    ax.plot(*curve_of(surface, surface.daf_smooth), color=style.BLACK, **dots_of(surface))
+    ax.set(xlabel=style.SPEED_LABEL, ylabel="{}, smooth road [{}]".format(*surface.quantity))
     return ax
 
 
-@styled
+@style.styled
 def surface_plot(
     surface: SurfaceShown, *, difference: bool = False, ax: Axes | None = None
 ) -> Axes:
@@ -51,7 +43,7 @@ def surface_plot(
     """
     if len(surface.speeds) < 2:
         raise ValueError("surface must have two speeds or more to be drawn, got one")
-    ax = new_axes(ax)
+    ax = style.new_axes(ax)
     ramp = f"a {surface.ramp_height * 1e3:g} mm drop over {surface.ramp_length:g} m"
     values: FloatArray = surface.daf_unit
     ticks: FloatArray | None = None
@@ -70,10 +62,10 @@ def surface_plot(
         ax.set_title(f"{surface.quantity[0]} with {ramp}")
     places, kmh = surface.positions / surface.beam.length, to_kmh(surface.speeds)
     filled = ax.contourf(places, kmh, values, **look)
-    ax.contour(filled, colors=BLACK, linewidths=0.25, alpha=0.5)
+    ax.contour(filled, colors=style.BLACK, linewidths=0.25, alpha=0.5)
     label = _label(surface, difference)
     ax.figure.colorbar(filled, ax=ax, label=label, ticks=ticks, pad=0.02)
-    ax.set(xlabel=PLACE_LABEL, ylabel=SPEED_LABEL)
+    ax.set(xlabel=style.PLACE_LABEL, ylabel=style.SPEED_LABEL)
     return ax
 
 
@@ -84,7 +76,7 @@ def draw_lines(
     ends = surface.speeds.min(), surface.speeds.max()
     wanted = np.linspace(*ends, N_LINES) if speeds is None else np.atleast_1d(np.asarray(speeds))
     nearest = np.unique(np.abs(surface.speeds - wanted[:, np.newaxis]).argmin(axis=1))
-    for i, color in zip(nearest, cycle(TRACKS), strict=False):
+    for i, color in zip(nearest, cycle(style.TRACKS), strict=False):
         label = f"{to_kmh(surface.speeds[i]):.4g} km/h"
         ax.plot(surface.positions / surface.beam.length, values[i], color=color, label=label)
 
@@ -109,7 +101,7 @@ def _label(surface: SurfaceShown, difference: bool) -> str:
 TITLES = ("odd: changes its sign with the ramp", "even: drop and rise have it in common")
 
 
-@styled
+@style.styled
 def effects_figure(
     surface: SurfaceShown,
     speeds: ArrayLike | None = None,
@@ -146,10 +138,8 @@ def effects_figure(
     >>> [axes.get_ylabel() for axes in effects_figure(surface).axes]
     ['change of the DAF [-]', 'change of the DAF [-]']
     """
-    values, label = (
-        [surface.odd_effect, surface.even_effect],
-        "change of the {} [{}]".format(*surface.quantity),
-    )
+    values = [surface.odd_effect, surface.even_effect]
+    label = "change of the {} [{}]".format(*surface.quantity)
     if road is not None:
         scales = surface.ramps(road)
         values = [np.cumsum(part, axis=1) for part in (values[0] * scales, values[1] * scales**2)]
@@ -157,12 +147,12 @@ def effects_figure(
     figure = Figure(figsize=(9, 3.6), layout="constrained")
     for axes, part, title in zip(figure.subplots(1, 2), values, TITLES, strict=True):
         draw_lines(axes, surface, part, speeds)
-        axes.set(xlabel=PLACE_LABEL, ylabel=label, title=title)
+        axes.set(xlabel=style.PLACE_LABEL, ylabel=label, title=title)
     figure.axes[0].legend()
     return figure
 
 
-@styled
+@style.styled
 def paper_figure(results: PaperShown) -> Figure:
     """Draw Figs. 2, 5(a), 5(b), 6(a) and 6(b) of the paper as computed."""
     figure = Figure(figsize=(10.0, 10.5), layout="constrained")
@@ -170,7 +160,7 @@ def paper_figure(results: PaperShown) -> Figure:
     top = smooth_daf_plot(results.unit, panels["2"])
     top.set_title("DAF of a smooth road")
     kmh, printed = results.printed_smooth
-    top.plot(kmh, printed, "o", color=VERMILLION, label=f"printed: {printed:g}")
+    top.plot(kmh, printed, "o", color=style.VERMILLION, label=f"printed: {printed:g}")
     top.margins(x=0)
     top.legend()
     for name, surface in (("5", results.unit), ("6", results.tall)):

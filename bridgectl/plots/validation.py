@@ -12,19 +12,8 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from bridgectl._places import SAME_PLACE
 from bridgectl._units import to_kmh
+from bridgectl.plots import style
 from bridgectl.plots.shown import CaseShown, DamperCaseShown, RoadShown, ValidationShown
-from bridgectl.plots.style import (
-    BLACK,
-    BLUE,
-    BRIDGE_TINT,
-    GREY,
-    SKY,
-    SPEED_LABEL,
-    STATION_LABEL,
-    TRACKS,
-    VERMILLION,
-    styled,
-)
 
 ROW, COLUMN, ROAD, FOOT = 1.2, 1.3, 2.3, 3.2
 """Height of a road's panels, width of a bridge's, width of the elevations, the last row [in]."""
@@ -33,7 +22,7 @@ ROUND_OFF = 1e-6
 """Differences of peaks up to this are drawn as equal."""
 
 
-@styled
+@style.styled
 def validation_figure(results: ValidationShown) -> Figure:
     """Draw DAF and DAE over speed of every road on every bridge, and the peaks of all.
 
@@ -57,9 +46,9 @@ def validation_figure(results: ValidationShown) -> Figure:
     for row in panels:
         _share_heights(row[1:])
         row[1].set_ylabel("DAF [-]")
-    panels[-1, 0].set_xlabel(STATION_LABEL)
+    panels[-1, 0].set_xlabel(style.STATION_LABEL)
     for panel in panels[-1, 1:]:
-        panel.set_xlabel(SPEED_LABEL)
+        panel.set_xlabel(style.SPEED_LABEL)
     lines = {line.get_label(): line for line in panels[0, 1].lines}
     above.legend(lines.values(), lines.keys(), loc="outside upper right", ncols=len(lines))
     peaks, differences = below.subplots(1, 2, width_ratios=(1, 1.4))
@@ -71,8 +60,8 @@ def validation_figure(results: ValidationShown) -> Figure:
 def _draw_road(ax: Axes, road: RoadShown, approach: float, span: float) -> None:
     """Elevation of a road, with the longest bridge."""
     shown = (road.x >= -approach - SAME_PLACE) & (road.x <= span + SAME_PLACE)
-    ax.axvspan(0, span, color=BRIDGE_TINT, zorder=0)
-    ax.plot(road.x[shown], 1e3 * road.elevation[shown], color=BLACK, lw=0.9)
+    ax.axvspan(0, span, color=style.BRIDGE_TINT, zorder=0)
+    ax.plot(road.x[shown], 1e3 * road.elevation[shown], color=style.BLACK, lw=0.9)
     ax.set_title(road.name, fontsize=9.5, parse_math=False)
     ax.set_ylabel("z [mm]")
     ax.margins(x=0.01)
@@ -83,13 +72,13 @@ def _draw_case(ax: Axes, case: CaseShown) -> None:
     order = np.argsort(case.speeds)
     kmh = to_kmh(case.speeds[order])
     marker = "o" if len(kmh) < 15 else ""
-    ax.plot(kmh, case.superposed[order], color=SKY, lw=4.0, label="superposed DAF")
-    ax.plot(kmh, case.simulated[order], color=BLACK, lw=1.1, label="simulated DAF",
+    ax.plot(kmh, case.superposed[order], color=style.SKY, lw=4.0, label="superposed DAF")
+    ax.plot(kmh, case.simulated[order], color=style.BLACK, lw=1.1, label="simulated DAF",
             marker=marker, ms=2.5)  # fmt: skip
-    ax.plot(kmh, case.dae[order], "--", color=VERMILLION, lw=1.4, label="DAE",
+    ax.plot(kmh, case.dae[order], "--", color=style.VERMILLION, lw=1.4, label="DAE",
             marker=marker, ms=2.5)  # fmt: skip
     for speed in to_kmh(case.speeds[case.flying]):
-        ax.axvline(speed, color=GREY, lw=2.0, alpha=0.3, zorder=0)
+        ax.axvline(speed, color=style.GREY, lw=2.0, alpha=0.3, zorder=0)
     ax.xaxis.set_major_locator(MultipleLocator(50) if np.ptp(kmh) > 60 else MaxNLocator(3))
     ax.yaxis.set_major_locator(MaxNLocator(4))
     ax.margins(x=0.02, y=0.08)
@@ -110,7 +99,7 @@ def _share_heights(panels: Sequence[Axes]) -> None:
 def _look(case: CaseShown, results: ValidationShown) -> dict[str, object]:
     """One colour for each span, open markers for a start at rest."""
     spans = list(dict.fromkeys(span for span, _ in results.groups))
-    color = TRACKS[spans.index(case.span) % len(TRACKS)]
+    color = style.TRACKS[spans.index(case.span) % len(style.TRACKS)]
     face = color if case.approach else "white"
     return {"marker": "o", "ms": 5.5, "ls": "", "color": color, "mfc": face, "mew": 1.3}
 
@@ -120,7 +109,7 @@ def _draw_peaks(ax: Axes, results: ValidationShown) -> None:
     peaks = np.array([(case.daf_peak.value, case.dae_peak.value) for case in results.cases])
     low, high = peaks.min(), peaks.max()
     ends = np.array([low, high]) + max(0.04 * (high - low), 0.005) * np.array([-1, 1])
-    ax.plot(ends, ends, color=GREY, lw=1.0, label="equal")
+    ax.plot(ends, ends, color=style.GREY, lw=1.0, label="equal")
     for case, (daf, dae) in zip(results.cases, peaks, strict=True):
         ax.plot(daf, dae, **_look(case, results))  # type: ignore[arg-type]
     ax.set(
@@ -144,7 +133,7 @@ def _draw_differences(ax: Axes, results: ValidationShown) -> None:
         ax.plot(case.road + shift, size, clip_on=False, **_look(case, results))  # type: ignore[arg-type]
     bound = results.peak_tolerance
     label = f"bound of the median, {bound:g}"
-    handles = [ax.axhline(bound, color=GREY, ls="--", lw=1.2, label=label)]
+    handles = [ax.axhline(bound, color=style.GREY, ls="--", lw=1.2, label=label)]
     ax.set(
         yscale="log", ylim=(ROUND_OFF, 1), xlim=(0.5, len(results.roads) + 0.5), xlabel="road",
         ylabel="|peak DAE - peak DAF| [-]",
@@ -158,7 +147,7 @@ def _draw_differences(ax: Axes, results: ValidationShown) -> None:
     ax.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
-@styled
+@style.styled
 def damper_validation_figure(cases: Sequence[DamperCaseShown]) -> Figure:
     """Draw the class DAE of every damper over its simulated mean DAF, and the mean of Eq. (15).
 
@@ -184,14 +173,14 @@ def damper_validation_figure(cases: Sequence[DamperCaseShown]) -> Figure:
 def _draw_damper_case(ax: Axes, case: DamperCaseShown) -> None:
     daf, known = case.mean_daf, slice(case.n_known)
     unseen = slice(case.n_known, None)
-    ax.plot(daf, case.mean_eq_15, ".", color=GREY, ms=5, label="mean of Eq. (15)", zorder=1)
-    ax.plot(daf[known], case.class_dae[known], "o", color=BLUE, ms=5,
+    ax.plot(daf, case.mean_eq_15, ".", color=style.GREY, ms=5, label="mean of Eq. (15)", zorder=1)
+    ax.plot(daf[known], case.class_dae[known], "o", color=style.BLUE, ms=5,
             label="class DAE, dampers of the formula")  # fmt: skip
-    ax.plot(daf[unseen], case.class_dae[unseen], "^", color=VERMILLION, ms=5.5,
+    ax.plot(daf[unseen], case.class_dae[unseen], "^", color=style.VERMILLION, ms=5.5,
             label="class DAE, unseen dampers")  # fmt: skip
     values = np.concatenate([daf, case.class_dae, case.mean_eq_15])
     ends = values.min(), values.max()
-    ax.plot(ends, ends, ":", color=BLACK, lw=0.8, label="equal", zorder=0)
+    ax.plot(ends, ends, ":", color=style.BLACK, lw=0.8, label="equal", zorder=0)
     clear = case.clear_pairs
     ax.set_title(
         f"{case.span:g} m, class {case.road_class}: tau {case.tau.tau:.2f}\n"

@@ -9,13 +9,7 @@ from scipy.signal import firwin, lfilter, upfirdn
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.road.psd import REFERENCE
-from bridgectl.road.spectrum import (
-    DEFAULT_BAND,
-    Maker,
-    requested_band,
-    requested_roughness,
-    requested_waviness,
-)
+from bridgectl.road.spectrum import DEFAULT_BAND, Maker, requested
 
 FINER = 4
 """The filter's noise is sampled so much finer: no short wave poses as a long one."""
@@ -74,10 +68,7 @@ def shaping_filter(
     1.60e-05 m^3
     """
     rate = check.positive("speed", speed, unit="m/s")
-    low, high = requested_band(band)
-    poles, gains = _modes(
-        requested_roughness(roughness, level), requested_waviness(waviness), (low, high)
-    )
+    poles, gains = _modes(*requested(roughness, level, waviness, band))
     n = poles.size
     return control.ss(
         -rate * np.diag(poles), np.sqrt(rate) * np.ones((n, 1)), gains[np.newaxis], 0,

@@ -18,13 +18,7 @@ from bridgectl._work import Work, at_least, at_most, require_feasible
 from bridgectl.road.filtered import filtered_noise
 from bridgectl.road.profile import RoadProfile
 from bridgectl.road.psd import REFERENCE
-from bridgectl.road.spectrum import (
-    DEFAULT_BAND,
-    Maker,
-    requested_band,
-    requested_roughness,
-    requested_waviness,
-)
+from bridgectl.road.spectrum import DEFAULT_BAND, Maker, requested
 
 PERIODS = 4
 """A periodic sum of waves lasts this many of its longest ones, and twice the road."""
@@ -135,8 +129,7 @@ def iso8608_elevations(
     if n_steps < 1:
         raise ValueError(f"length must be at least one step of {dx:g} m, got {length:g} m")
     check.choice("method", method, ("spectral", "filter"))
-    level_gd, exponent = requested_roughness(roughness, level), requested_waviness(waviness)
-    limits = requested_band(band, dx)
+    level_gd, exponent, limits = requested(roughness, level, waviness, band, dx)
     _require_feasible(count, float(length), dx, limits)
     try:
         rng = np.random.default_rng(seed)
@@ -215,8 +208,7 @@ def ramp_covariance(
     """
     count = check.integer("n_ramps", n_ramps, at_least=1)
     dx = check.positive("length", length, unit="m")
-    level_gd, exponent = requested_roughness(roughness, level), requested_waviness(waviness)
-    limits = requested_band(band, dx)
+    level_gd, exponent, limits = requested(roughness, level, waviness, band, dx)
     needed = max(2 * count, int(np.ceil(PERIODS / (limits[0] * dx))))
     period = next_fast_len(needed, real=True)
     differences = 4 * np.sin(np.pi * np.arange(period // 2 + 1) / period) ** 2

@@ -7,7 +7,7 @@ amplification come out too low, and interpolation at finer stations does not bri
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
 from bridgectl._warn import warn
 from bridgectl.road.limits import evenly_spaced
+
+RoadProfile: TypeAlias = Any  # its module imports this one
 
 COARSE = 0.305
 """Longest step [m] that an IRI or a dynamic amplification bears: one foot.
@@ -46,18 +48,6 @@ the root mean square."""
 
 EVEN = 0.6
 """Share of an interpolated road whose pieces are equally long, but for a station."""
-
-
-class Measured(Protocol):
-    """What counts of a road here."""
-
-    @property
-    def measured_step(self) -> float:
-        """Step at which it was measured [m], 0 for one that was drawn."""
-
-    @property
-    def name(self) -> str:
-        """Its label."""
 
 
 def measured_step(x: FloatArray, elevation: FloatArray, *, record: bool = False) -> float:
@@ -103,7 +93,7 @@ def too_coarse(step: float, pieces: float = 0.0) -> bool:
     return step > max(COARSE, pieces) * (1 + 1e-6)
 
 
-def warn_if_coarse(road: Measured, what: str, step: float = 0.0, pieces: float = 0.0) -> None:
+def warn_if_coarse(road: RoadProfile, what: str, step: float = 0.0, pieces: float = 0.0) -> None:
     """Warn that what is made of a road means little, as it was measured too coarsely.
 
     `step` [m] is that of its stations where only a measured road makes sense, not a drawn one.

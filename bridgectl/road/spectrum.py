@@ -13,8 +13,18 @@ from bridgectl.road.psd import CLASSES, class_roughness
 DEFAULT_BAND = (0.01, 4.0)
 """Wave numbers [cycles/m] of the synthesised waves: 100 m to 0.25 m long, as in VBI-2D."""
 
+Band = tuple[float, float]
+
 Maker = tuple[int, Callable[[int, np.random.Generator], FloatArray]]
 """Samples of work for one road, and what makes a number of roads."""
+
+
+def requested(
+    roughness: str | float, level: str, waviness: float, band: Band, step: float | None = None
+) -> tuple[float, float, Band]:
+    """Return G_d(n0) [m^3], waviness and band [cycles/m]; see the functions below for each."""
+    level_gd, exponent = requested_roughness(roughness, level), _requested_waviness(waviness)
+    return level_gd, exponent, _requested_band(band, step)
 
 
 def requested_roughness(roughness: str | float, level: str) -> float:
@@ -32,7 +42,7 @@ def requested_roughness(roughness: str | float, level: str) -> float:
     return value
 
 
-def requested_waviness(waviness: float) -> float:
+def _requested_waviness(waviness: float) -> float:
     """Check the exponent of the spectrum."""
     value = check.number("waviness", waviness)
     if not 1 <= value <= 3:
@@ -40,7 +50,7 @@ def requested_waviness(waviness: float) -> float:
     return value
 
 
-def requested_band(band: tuple[float, float], step: float | None = None) -> tuple[float, float]:
+def _requested_band(band: Band, step: float | None) -> Band:
     """Check a band [cycles/m]; at a step [m], without waves shorter than two steps."""
     low, high = check.array("band", band, (2,), unit="cycles/m")
     highest = np.inf if step is None else 0.5 / step

@@ -22,20 +22,14 @@ N_DRAWS, SEED = 500, 2006
 
 
 class Paired(NamedTuple):
-    """A mean difference between two strategies over the same roads, made by `paired`.
-
-    Attributes
-    ----------
-    mean : float
-        Mean over the roads, in the unit of the measure.
-    low, high : float
-        Ends of its 95 % confidence interval (Student's t); NaN for a single road. In the unit of
-        the measure.
-    """
+    """A mean difference between two strategies over the same roads, made by `paired`."""
 
     mean: float
+    """Mean over the roads, in the unit of the measure."""
     low: float
+    """Lower end of its 95 % confidence interval (Student's t), in the unit of the measure."""
     high: float
+    """Upper end, in the unit of the measure; NaN, as the lower one, for a single road."""
 
     def __repr__(self) -> str:
         return (
@@ -70,20 +64,17 @@ def rank_correlation(first: FloatArray, second: FloatArray) -> float:
 
 
 class Agreement(NamedTuple):
-    """Whether an estimate orders strategies as simulation does, made by `agreement`.
-
-    Attributes
-    ----------
-    tau : float
-        Kendall's rank correlation: 1 for the same order, -1 for the opposite one, 0 for none; NaN
-        where all values are the same.
-    low, high : float
-        Ends of its 95 % interval, of roads drawn again; NaN for a single road.
-    """
+    """Whether an estimate orders strategies as simulation does, made by `agreement`."""
 
     tau: float
+    """Kendall's rank correlation: 1 in the same order, -1 reversed, 0 for none.
+
+    NaN where all values are the same.
+    """
     low: float
+    """Lower end of its 95 % interval, of roads drawn again."""
     high: float
+    """Upper end of the 95 % interval; NaN, as the lower one, for a single road."""
 
     def __repr__(self) -> str:
         ends = f"{CONFIDENCE:.0%} from {self.low:.2f} to {self.high:.2f}"
@@ -118,11 +109,7 @@ def over_roads(values: FloatArray, statistic: str = "mean") -> FloatArray:
     return np.asarray(values.std(axis=1, ddof=1).mean(axis=1))
 
 
-def agreement(
-    estimate: FloatArray,
-    simulated: FloatArray,
-    statistic: str = "mean",
-) -> Agreement:
+def agreement(estimate: FloatArray, simulated: FloatArray, statistic: str = "mean") -> Agreement:
     """Compare the order of strategies by an estimate with that by simulation.
 
     `simulated` has shape (n_strategies, n_roads, n_speeds), and so has `estimate`, or

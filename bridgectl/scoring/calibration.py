@@ -118,7 +118,7 @@ def _simulated(surface: RampSurface, roads: FloatArray, damper: Damper) -> Float
     smooth, *dafs = simulate_loop(
         surface.beam, bare_vehicle(surface.vehicle), damper, surface.speeds, surface.stations,
         np.vstack([np.zeros_like(roads[:1]), roads]),
-        section=surface.section, recovery=surface.recovery,
+        effect=surface.effect,
     ).daf.T  # fmt: skip
     apart = float(np.abs(smooth - surface.daf_smooth).max())
     if apart > SAME_DAF:

@@ -54,11 +54,11 @@ def class_part(
     crossing: Crossing, damper: Damper, speeds: FloatArray, approach: float, road_class: str
 ) -> dict[str, FloatArray]:
     """Compute the DAFs of a surface of the class, at the places where it has ramps."""
-    with warnings.catch_warnings():  # R >= 0 is simulated, and the roads tell of lift-off
-        warnings.simplefilter("ignore", LiftOffWarning)
+    # R >= 0 is simulated, and the roads tell of lift-off.
+    with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
         surface = ramp_surface(
             crossing.beam, crossing.vehicle, speeds, approach=approach, ramp_height=road_class,
-            both_ways=True, every=EVERY, section=crossing.section, recovery=crossing.recovery,
+            both_ways=True, every=EVERY, effect=crossing.effect,
             damper=damper, progress=False,
         )  # fmt: skip
     return {

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
-from bridgectl._checks import FloatArray
 from bridgectl._units import to_kmh
-from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.scoring.agreement import Agreement, Paired, Pairs
 
 MEASURES = {
@@ -103,48 +99,3 @@ class Ranking(NamedTuple):
     """Kendall's tau with the simulated values."""
     pairs: Pairs | None
     """Of the pairs that differ clearly in mean DAF, those in the right order; None of a spread."""
-
-
-class Board(Protocol):
-    """What is printed of a `bridgectl.Scoreboard`, which lies above this module."""
-
-    @property
-    def strategies(self) -> tuple[str, ...]:
-        """Names, the first being what the others are compared with."""
-
-    @property
-    def roads(self) -> tuple[str, ...]:
-        """Names of the roads."""
-
-    @property
-    def speeds(self) -> FloatArray:
-        """Speeds [m/s]."""
-
-    @property
-    def beam(self) -> BridgeModel:
-        """Bridge."""
-
-    @property
-    def vehicle(self) -> QuarterCar:
-        """Vehicle."""
-
-    @property
-    def approach(self) -> float:
-        """Road before the bridge [m]."""
-
-    @property
-    def road_classes(self) -> tuple[str, ...]:
-        """Class of each road."""
-
-    @property
-    def surfaces(self) -> Mapping[str, Any]:
-        """By class, the surface of every strategy."""
-
-    def rows(self) -> list[Row]:
-        """Strategies, the lowest mean DAF first."""
-
-    def class_rows(self, road_class: str) -> list[ClassRow]:
-        """The same over a road class."""
-
-    def rankings(self) -> list[Ranking]:
-        """How estimates order the strategies."""

@@ -29,15 +29,12 @@ from bridgectl.measures import aggregate_fourth_power, dynamic_load_coefficient,
 from bridgectl.measures.history import largest, rms
 from bridgectl.measures.loads import CELL, road_stress_factor
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.crossing import make_crossing, require_factor
+from bridgectl.model.effect import Effect
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 from bridgectl.road import RoadProfile
 from bridgectl.scoring.board import Scoreboard
-from bridgectl.scoring.classes import (
-    class_part,
-    class_shapes,
-    class_surface,
-    n_class_ramps,
-)
+from bridgectl.scoring.classes import class_part, class_shapes, class_surface, n_class_ramps
 from bridgectl.scoring.file import Part, Parts, Shapes
 from bridgectl.scoring.rows import MEASURES
 from bridgectl.scoring.study import (
@@ -71,6 +68,7 @@ def score(
     departure: float = 0.0,
     section: float = 0.5,
     recovery: str = "exact",
+    effect: Effect | str = "moment",
     resume: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     progress: bool = True,
@@ -82,8 +80,8 @@ def score(
     dampers : sequence of Damper or Strategy
         The strategies, each with a name of its own; the first is what others are compared with.
         A strategy alone gets the defaults of `bridgectl.dampers.Damper`.
-    beam, section, recovery
-        See `bridgectl.Crossing`.
+    beam, section, recovery, effect
+        See `bridgectl.daf`.
     vehicle : QuarterCar
         The vehicle; its damper is replaced.
     roads : sequence of RoadProfile
@@ -144,10 +142,13 @@ def score(
             f'resume must name a file, got {type(resume).__name__}: type resume="score.jsonl"'
         )
     devices = checked_devices(dampers)
-    study = make_study(beam, vehicle, roads, speeds, approach, departure, section, recovery)
-    judge_crossing(study.crossing, study.speeds, *roads)
+    require_quarter_car(vehicle)
+    crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    require_factor(crossing)
+    study = make_study(crossing, roads, speeds, approach, departure)
+    judge_crossing(crossing, study.speeds, *roads)
     judge_range(vehicle, *devices)
-    bare = replace(study.crossing, vehicle=bare_vehicle(vehicle))
+    bare = replace(crossing, vehicle=bare_vehicle(vehicle))
     require_loop(
         bare, devices, study.speeds, study.stations, len(roads),
         n_ramps=study.n_ramps + len(study.classes) * n_class_ramps(study.n_ramps),
@@ -246,7 +247,7 @@ def _first_order(study: Study, damper: Damper, run: RampsAndRoads) -> Part:
     else:  # exact, and quick
         surface = ramp_surface(
             study.beam, study.vehicle, study.speeds, approach=study.approach,
-            section=study.section, recovery=study.recovery, damper=damper,
+            effect=study.crossing.effect, damper=damper,
         )  # fmt: skip
     return {"dae": surface.dae(study.under_ramps), "daf_smooth": surface.daf_smooth}
 
@@ -264,26 +265,25 @@ def _shapes(study: Study, piece: Piece) -> Shapes:
 def _measure(study: Study, damper: Damper, run: RampsAndRoads) -> Part:
     """Measures of the histories: arrays (roads, speeds), and the roads' fourth power."""
     load = study.vehicle.linear.static_loads[0]
-    columns: dict[str, list[FloatArray]] = {
-        "dynamic_load_coefficient": [], "tire_force_95": [], "road_stress": [],
-        "body_acceleration": [], "weighted_acceleration": [], "suspension_travel": [],
-    }  # fmt: skip
-    fourth = []
+    rows, fourth = [], []
     for speed, history in zip(study.speeds, run.roads.histories, strict=True):
         force, ride = history["tire_force"], history["body_acceleration"]
-        columns["dynamic_load_coefficient"].append(dynamic_load_coefficient(force, load))
-        columns["tire_force_95"].append(np.percentile(force, 95, axis=-1) / load)
-        columns["road_stress"].append(road_stress_factor(force, load))
-        columns["body_acceleration"].append(rms(ride))
-        columns["weighted_acceleration"].append(weighted_rms(ride, damper.sample_time))
-        columns["suspension_travel"].append(largest(history["suspension_travel"]))
+        row = {
+            "dynamic_load_coefficient": dynamic_load_coefficient(force, load),
+            "tire_force_95": np.percentile(force, 95, axis=-1) / load,
+            "road_stress": road_stress_factor(force, load),
+            "body_acceleration": rms(ride),
+            "weighted_acceleration": weighted_rms(ride, damper.sample_time),
+            "suspension_travel": largest(history["suspension_travel"]),
+        }
+        rows.append(row)
         x = study.stations[0] + speed * damper.sample_time * np.arange(force.shape[1])
         # Longer than a sample's way.
         cell = max(CELL, 2 * speed * damper.sample_time)
         fourth.append([aggregate_fourth_power(f, load, x, cell).values for f in force])
-    shortest = min(len(row) for rows in fourth for row in rows)
-    places = np.array([[row[:shortest] for row in rows] for rows in fourth]).mean(axis=0)
+    shortest = min(len(road) for roads in fourth for road in roads)
+    places = np.array([[road[:shortest] for road in roads] for roads in fourth]).mean(axis=0)
     return {
-        **{name: np.array(column).T for name, column in columns.items()},
+        **{name: np.array([row[name] for row in rows]).T for name in rows[0]},
         "fourth_power_95": np.percentile(places, 95, axis=-1),
     }

@@ -6,7 +6,7 @@ import dataclasses
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -16,11 +16,12 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, count_pieces, even_places
-from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
+from bridgectl.dampers.actuator import Damper, as_damper
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel, described
-from bridgectl.model.crossing import Crossing, make_crossing
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.bridge_effects import Moment
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 from bridgectl.road import RoadProfile
 from bridgectl.road.sampling import warn_if_coarse
 from bridgectl.scoring.classes import classes_of, with_surface
@@ -37,19 +38,21 @@ Piece = int | str
 class Study:
     """What all parts of the work share."""
 
-    beam: BridgeModel
-    vehicle: QuarterCar
+    crossing: Crossing
     speeds: FloatArray
     stations: FloatArray
     n_ramps: int
     elevations: FloatArray
-    section: float
-    recovery: str
 
     @property
-    def crossing(self) -> Crossing:
-        """What crosses what, and the moment that counts."""
-        return make_crossing(self.beam, self.vehicle, "moment", self.section, self.recovery)
+    def beam(self) -> BridgeModel:
+        """The bridge."""
+        return self.crossing.beam
+
+    @property
+    def vehicle(self) -> QuarterCar:
+        """The vehicle, with its own damper."""
+        return require_quarter_car(self.crossing.vehicle)
 
     @property
     def approach(self) -> float:
@@ -115,19 +118,16 @@ def checked_devices(dampers: Sequence[Damper | Strategy]) -> list[Damper]:
 
 
 def make_study(
-    beam: BridgeModel,
-    vehicle: QuarterCar,
+    crossing: Crossing,
     roads: Sequence[RoadProfile],
     speeds: ArrayLike,
     approach: float,
     departure: float,
-    section: float,
-    recovery: str,
 ) -> Study:
     """Check what all strategies share, and lay the roads over common stations."""
     before = check.not_negative("approach", approach, unit="m")
     after = check.not_negative("departure", departure, unit="m")
-    bare_vehicle(vehicle)
+    length = crossing.beam.length
     if not _listed(roads) or not all(isinstance(road, RoadProfile) for road in roads):
         raise TypeError(
             "roads must be a list of RoadProfile: type [road], or [bridgectl.read_profile(path)]"
@@ -135,18 +135,16 @@ def make_study(
     if not len(roads):
         raise ValueError("roads must hold a road, got none: type [bridgectl.utia_road()]")
     c = check.speeds(speeds)
-    study = Study(beam, vehicle, c, np.zeros(0), 0, np.zeros(0), section, recovery)
-    _ = study.crossing  # what is wrong with beam, section or recovery is told first
-    n_ramps = count_pieces(before + beam.length, RAMP_LENGTH)
-    n_pieces = count_pieces(before + beam.length + after, RAMP_LENGTH)
+    n_ramps = count_pieces(before + length, RAMP_LENGTH)
+    n_pieces = count_pieces(before + length + after, RAMP_LENGTH)
     stations = even_places(-before, RAMP_LENGTH, n_pieces + 1)
     for i, road in enumerate(roads, 1):
-        road.require(-before, beam.length + after, f"the crossing, of road {i},", "approach")
+        road.require(-before, length + after, f"the crossing, of road {i},", "approach")
         warn_if_coarse(road, "dynamic amplification")
     elevations = np.array([np.interp(stations, road.x, road.elevation) for road in roads])
     elevations -= elevations[:, :1]
     _require_different(roads, elevations)
-    return replace(study, stations=stations, n_ramps=n_ramps, elevations=elevations)
+    return Study(crossing, c, stations, n_ramps, elevations)
 
 
 def _require_different(roads: Sequence[RoadProfile], elevations: FloatArray) -> None:
@@ -171,28 +169,30 @@ def task_name(device: Damper, piece: Piece, n_roads: int) -> str:
 
 def header(study: Study) -> dict[str, Any]:
     """What two studies share if their parts fit together."""
+    crossing = study.crossing
+    plain = Moment(crossing.section * crossing.beam.length, recovery=crossing.recovery)
+    effect = {} if crossing.effect == plain else {"effect": repr(crossing.effect)}
     return {
         "beam": described(study.beam),
         "vehicle": dataclasses.asdict(study.vehicle),
         "speeds": study.speeds.tolist(),
         "stations": [study.stations[0], study.stations[-1], len(study.stations)],
-        "section": study.section,
-        "recovery": study.recovery,
+        "section": crossing.section,
+        "recovery": crossing.recovery,
+        **effect,
     }
 
 
 def key(damper: Damper, study: Study, piece: Piece) -> str:
     """Tell a damper, and the roads if the piece is of them, from others: their text, shortened."""
     ends = [damper.strategy.for_speed(float(c)) for c in study.speeds[[0, -1]]]
-    text = json.dumps(
-        [
-            repr(damper.strategy),  # what a strategy chooses gains from is in no function
-            [law.function.serialize() for law in ends],
-            damper.strategy.gains,
-            [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
-        ]
-    )
-    whole = hashlib.sha256(text.encode())
+    told = [
+        repr(damper.strategy),  # what a strategy chooses gains from is in no function
+        [law.function.serialize() for law in ends],
+        damper.strategy.gains,
+        [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
+    ]
+    whole = hashlib.sha256(json.dumps(told).encode())
     if not isinstance(piece, str):
         whole.update(np.ascontiguousarray(study.elevations).tobytes())
     return whole.hexdigest()[:16]

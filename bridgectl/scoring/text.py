@@ -6,13 +6,17 @@ import contextlib
 import io
 import math
 from collections.abc import Sequence
+from typing import Any, TypeAlias
 
 from rich.table import Table
 
 from bridgectl._tables import make_console, make_table
 from bridgectl._units import to_kmh
 from bridgectl.scoring.agreement import CONFIDENCE, Paired
-from bridgectl.scoring.rows import CLASS_DAE, Board, ClassRow, Ranking, Row
+from bridgectl.scoring.rows import CLASS_DAE, ClassRow, Ranking, Row
+
+# Scoreboard, whose module imports this one.
+Board: TypeAlias = Any
 
 NAMED_ROADS = 4
 """Roads that the heading names."""
@@ -68,8 +72,9 @@ def print_score(board: Board) -> None:
     console.print(DAE_NOTE, soft_wrap=True)
     rankings = board.rankings()
     if board.surfaces:
-        for names in _by_two(list(board.surfaces)):
-            console.print(_class_table(board, names))
+        names = list(board.surfaces)
+        for i in range(0, len(names), 2):
+            console.print(_class_table(board, names[i : i + 2]))
         console.print(CLASS_NOTE, soft_wrap=True)
     if len(rows) > 1:
         console.print(_ranking_table(rankings))
@@ -264,7 +269,3 @@ def _ranking_table(rankings: Sequence[Ranking]) -> Table:
             each.roads, each.estimate, *(_known(value, 2) for value in each.agreement), pairs
         )
     return table
-
-
-def _by_two(names: Sequence[str]) -> list[Sequence[str]]:
-    return [names[i : i + 2] for i in range(0, len(names), 2)]

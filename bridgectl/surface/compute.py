@@ -31,7 +31,6 @@ from bridgectl.surface.tire_contact import TireContact
 RAMP_LENGTH, RAMP_HEIGHT = 0.1, 1e-3
 """The unit ramp of the paper [m]: a drop of 1 mm over 100 mm."""
 
-
 LIFTING = 3.0
 """No ramp changes the tire force by more than this times stiffness and height: a sudden step by 2
 at most without damping, and the bridge adds little."""
@@ -39,18 +38,10 @@ at most without damping, and the bridge adds little."""
 
 @dataclass(frozen=True)
 class RampGrid:
-    """Where unit ramps lie, and how high they are.
+    """Where unit ramps lie, and how high they are [m].
 
-    Attributes
-    ----------
-    approach, length, height : float
-        Road before the bridge, length and height of a ramp [m].
-    n_ramps : int
-        Number of ramps over approach and bridge.
-    both_ways : bool
-        Whether there are rises beside the drops.
-    every : int
-        Ramps are taken at each so many-th place.
+    They begin at `n_ramps` places over approach and bridge, and at each `every`-th one of them are
+    simulated: drops, and rises beside them if `both_ways`.
     """
 
     approach: float
@@ -150,8 +141,7 @@ def _fly(run: Run, speeds: FloatArray, grid: RampGrid, ramps: FloatArray, progre
         ramp = place * grid.every
         where = doubtful[k, :, ramp]
         road = RoadProfile(grid.edges, one_ramp(grid.edges, ramp, grid.heights[k]))
-        with warnings.catch_warnings(record=True) as told:
-            warnings.simplefilter("always", LiftOffWarning)
+        with warnings.catch_warnings(record=True, action="always", category=LiftOffWarning) as told:
             found = linear_dafs(run._replace(profile=road), speeds[where], progress=False)
         ramps[k, where, place] = found
         flights += len(told)

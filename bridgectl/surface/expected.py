@@ -11,6 +11,7 @@ import numpy as np
 from bridgectl import _checks
 from bridgectl.model.beam import Beam
 from bridgectl.model.effect import Effect
+from bridgectl.model.modal import ModalBridge
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.recovery import RECOVERIES
 from bridgectl.model.spans import Bridge
@@ -41,10 +42,11 @@ def checked_expectations(kind: type[Any], **given: Any) -> dict[str, Any]:
 
 
 def _expectation(name: str, value: Any) -> Any:
-    kinds = {"beam": (Beam, Bridge), "vehicle": (Vehicle, QuarterCar)}.get(name)
+    kinds = {"beam": (Beam, Bridge, ModalBridge), "vehicle": (Vehicle, QuarterCar)}.get(name)
     if kinds:
         if not isinstance(value, kinds):
-            words = " or ".join(kind.__name__ for kind in kinds)
+            *others, last = (kind.__name__ for kind in kinds)
+            words = f"{', '.join(others)} or {last}"
             raise TypeError(f"{name} must be a bridgectl.{words}, got {type(value).__name__}")
         return value
     if name == "speeds":
@@ -76,8 +78,8 @@ def _differences(name: str, found: Any, wanted: Any) -> Iterator[str]:
     """What differs of a parameter, with both values."""
     if name == "vehicle" and type(found) is not type(wanted):
         found, wanted = found.linear, wanted.linear
-    if name == "effect" and type(found) is not type(wanted):
-        yield f"effect is {found!r} in the file, {wanted!r} expected"
+    if name in ("beam", "effect") and type(found) is not type(wanted):
+        yield f"{name} is {found!r} in the file, {wanted!r} expected"
         return
     wanted_leaves = dict(leaves(wanted, name))
     for where, leaf in leaves(found, name):

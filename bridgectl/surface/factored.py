@@ -26,32 +26,24 @@ class FactoredHistories:
 
     Axis names: S speeds, B blocks, T samples in a block, N ramps, L ramps at work in a block,
     n states: vehicle, beam, and the road under each tire.
-
-    Attributes
-    ----------
-    nodes : ndarray
-        Positions of the reference tire at the ends of the cells on the bridge [m].
-    smooth : ndarray, shape (S, n_samples)
-        Normalized moment on a smooth road.
-    entry : ndarray, shape (S, n, N)
-        States as the reference tire reaches the bridge.
-    local : ndarray of int, shape (B, L)
-        The ramps at work in each block; N where there are fewer.
-    carried, added : ndarray, shapes (S, B, n, n) and (S, B, n, L)
-        States at a block's end from those at its start and from its ramps.
-    rows, direct : ndarray, shapes (S, B, T + 1, n) and (S, B, T + 1, L)
-        Normalized moment at the samples of a block, likewise; the last sample is the first of
-        the next block.
     """
 
     nodes: FloatArray
+    """Positions of the reference tire at the ends of the cells on the bridge [m]."""
     smooth: FloatArray
+    """Normalized moment on a smooth road, (S, n_samples)."""
     entry: FloatArray
+    """States as the reference tire reaches the bridge, (S, n, N)."""
     local: NDArray[np.intp]
+    """The ramps at work in each block, (B, L); N where there are fewer."""
     carried: FloatArray
+    """States at a block's end from those at its start, (S, B, n, n)."""
     added: FloatArray
+    """And from its ramps, (S, B, n, L)."""
     rows: FloatArray
+    """Moment at its samples, the last being the next one's first, from states, (S, B, T + 1, n)."""
     direct: FloatArray
+    """And from its ramps, (S, B, T + 1, L)."""
 
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
         """See `bridgectl.surface.histories.Histories.moments`."""

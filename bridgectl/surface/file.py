@@ -37,7 +37,7 @@ from bridgectl.model.vehicle import Vehicle
 from bridgectl.model.vehicle_effects import BodyAcceleration, TireForce
 from bridgectl.surface.factored import FactoredHistories
 from bridgectl.surface.histories import DenseHistories
-from bridgectl.surface.parts import AXES, UNITS, leaves, parts, require_surface
+from bridgectl.surface.parts import AXES, UNITS, ModalParts, leaves, parts, require_surface
 
 FORMAT = "bridgectl ramp surface"
 VERSION = 3
@@ -49,7 +49,7 @@ WHOLE = "RampSurface"
 PARTS: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
-        Beam, Bridge, QuarterCar, Vehicle, Moment, Deflection, Shear, Reaction, Stress,
+        Beam, Bridge, ModalParts, QuarterCar, Vehicle, Moment, Deflection, Shear, Reaction, Stress,
         BridgeAcceleration, TireForce, BodyAcceleration, FactoredHistories, DenseHistories,
     )
 }  # fmt: skip

@@ -31,33 +31,21 @@ class Histories(Protocol):
     @property
     def nodes(self) -> FloatArray:
         """Positions of the reference tire at the ends of the cells on the bridge [m]."""
-        ...
 
     @property
     def smooth(self) -> FloatArray:
         """Normalized moment on a smooth road at the samples, shape (n_speeds, n_samples)."""
-        ...
 
     def peaks(self, speed: int, drops: float) -> FloatArray:
         """Peak moment with each ramp on its own, so high [m], at one speed, shape (n_ramps,)."""
-        ...
 
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
-        """Normalized moment beyond the smooth road's at one speed, at the samples.
+        """Normalized moment beyond the smooth road's at one speed, by its index, at the samples.
 
-        Parameters
-        ----------
-        speed : int
-            Index of the speed.
-        drops : ndarray, shape (n_ramps, n_roads), or float
-            Height of every ramp of each road, positive for a drop [m]. One number: each ramp
-            on its own, that high.
-
-        Returns
-        -------
-        ndarray, shape (n_samples, n_roads) or (n_samples, n_ramps)
+        Drops [m], the heights of every ramp of each road, have the shape (n_ramps, n_roads), what
+        is returned (n_samples, n_roads). With one number each ramp is on its own, that high:
+        (n_samples, n_ramps).
         """
-        ...
 
 
 def superposed(histories: Histories, speed: int, drops: FloatArray | float) -> FloatArray:
@@ -286,14 +274,8 @@ def _factor_blocks(
     for rows, end in zip(effects.swapaxes(0, 1), ends.swapaxes(0, 1), strict=True):
         smooth.append(rows[..., loads] + np.einsum("sti,si->st", rows[..., carried], now))
         now = np.einsum("sij,sj->si", end[..., carried], now) + end[..., loads]
-    return (
-        np.stack(smooth, axis=1),
-        entry,
-        ends[..., carried],
-        ends[..., ramps],
-        effects[..., carried],
-        effects[..., ramps],
-    )
+    maps = [part[..., columns] for part in (ends, effects) for columns in (carried, ramps)]
+    return np.stack(smooth, axis=1), entry, *maps
 
 
 def _block_road_rows(rises: FloatArray, n_states: int) -> FloatArray:

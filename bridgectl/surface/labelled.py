@@ -60,15 +60,12 @@ def surface_to_xarray(surface: Any) -> xarray.Dataset:
     daf, unit = surface.quantity
     unit = unit.replace("-", "1")
     unit_ramp = f"unit ramp, {surface.ramp_height:g} m down over {surface.ramp_length:g} m"
+    change = _labels(unit, f"change of the {daf} by a {unit_ramp}")
     return xarray.Dataset(
         {
             "daf_smooth": ("speed", surface.daf_smooth, _labels(unit, f"{daf} of a smooth road")),
             "daf_unit": (both, surface.daf_unit, _labels(unit, f"{daf} of a {unit_ramp}")),
-            "daf_difference": (
-                both,
-                surface.daf_difference,
-                _labels(unit, f"change of the {daf} by a {unit_ramp}"),
-            ),
+            "daf_difference": (both, surface.daf_difference, change),
         },
         {
             "speed": ("speed", surface.speeds, _labels("m/s", "speed c")),

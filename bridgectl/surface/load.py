@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks, _version
 from bridgectl._places import SAME_PLACE, count_pieces, even_places
 from bridgectl.linear.cells import sample_positions
-from bridgectl.model.beam import Beam
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road.files.lines import printable
@@ -28,7 +28,7 @@ from bridgectl.surface.expected import (
 from bridgectl.surface.factored import FactoredHistories
 from bridgectl.surface.file import PARTS, WHOLE, Array, checksum
 from bridgectl.surface.histories import DenseHistories
-from bridgectl.surface.parts import dotted
+from bridgectl.surface.parts import ModalParts, dotted
 from bridgectl.surface.surface import RampSurface
 
 _CLASSES: dict[str, type[Any]] = {WHOLE: RampSurface, **PARTS}
@@ -41,7 +41,7 @@ class _Misfit(SurfaceFileError):  # noqa: N818
 def load_surface(
     path: str | os.PathLike[str],
     *,
-    beam: Beam | None = None,
+    beam: BridgeModel | None = None,
     vehicle: Vehicle | QuarterCar | None = None,
     section: float | None = None,
     recovery: str | None = None,
@@ -152,7 +152,8 @@ def _built(name: str, classes: dict[str, str], left: dict[str, Any]) -> Any:
             values[field.name] = tuple(value) if isinstance(value, list) else value
         elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
             raise _Misfit(f"lacks {where!r}")
-    return kind(**values)
+    part = kind(**values)
+    return part.bridge() if isinstance(part, ModalParts) else part
 
 
 def _require_fitting_parts(surface: RampSurface) -> None:

@@ -8,12 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from bridgectl._checks import FloatArray
+from bridgectl.model.modal import ModalBridge
 from bridgectl.model.supports import Support
 
 UNITS = {
     "section": "1", "effect.at": "m", "approach": "m", "ramp_length": "m", "ramp_height": "m",
     "speeds": "m/s", "positions": "m", "daf_smooth": "1", "daf_unit": "1", "daf_rise": "1",
     "beam.length": "m", "beam.mass_per_length": "kg/m", "beam.flexural_rigidity": "N m^2",
+    "beam.x": "m", "beam.mode_shapes": "1", "beam.frequencies": "Hz", "beam.modal_masses": "kg",
+    "beam.places": "m", "beam.influence": "effect/N", "beam.modal": "effect",
     "beam.spans": "m", "beam.n_modes": "1", "beam.damping_ratio": "1",
     "vehicle.sprung_mass": "kg", "vehicle.unsprung_mass": "kg",
     "vehicle.suspension_stiffness": "N/m", "vehicle.tire_stiffness": "N/m",
@@ -50,6 +54,47 @@ AXES: dict[str, tuple[str, ...]] = {
 """Axes of the arrays: those of one name have one length."""
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
+class ModalParts:
+    """What a `ModalBridge` is made of: the lines of its effects one after the other."""
+
+    x: FloatArray
+    mode_shapes: FloatArray
+    frequencies: FloatArray
+    modal_masses: FloatArray
+    damping_ratio: FloatArray
+    effects: tuple[tuple[str, float | None], ...]
+    sizes: tuple[int, ...]
+    places: FloatArray
+    influence: FloatArray
+    modal: FloatArray
+
+    @classmethod
+    def of(cls, bridge: ModalBridge) -> ModalParts:
+        """Take a bridge apart."""
+        told = list(bridge._effects.values())
+        return cls(
+            bridge._x, bridge._shapes, bridge.frequencies, bridge.modal_masses,
+            np.array(bridge.damping_ratios),
+            tuple((each, None) if isinstance(each, str) else each for each in bridge._effects),
+            tuple(each.places.size for each in told),
+            np.concatenate([np.zeros(0), *(each.places for each in told)]),
+            np.concatenate([np.zeros(0), *(each.influence for each in told)]),
+            np.array([each.modal for each in told]).reshape(-1, bridge.n_modes),
+        )  # fmt: skip
+
+    def bridge(self) -> ModalBridge:
+        """Put the bridge together again."""
+        ends = np.cumsum(self.sizes, dtype=int)
+        lines = zip(np.split(self.places, ends), np.split(self.influence, ends), self.modal,
+                    strict=False)  # fmt: skip
+        names = [name if at is None else (name, at) for name, at in self.effects]
+        return ModalBridge(
+            self.x, self.mode_shapes, self.frequencies, self.modal_masses, self.damping_ratio,
+            effects=dict(zip(names, lines, strict=True)),
+        )  # fmt: skip
+
+
 def require_surface(surface: Any) -> None:
     """Raise a TypeError for what is no ramp surface."""
     # Its class lies above this module.
@@ -62,6 +107,8 @@ def require_surface(surface: Any) -> None:
 
 def parts(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
     """A dataclass and what it holds, each with its dotted name, '' for the first."""
+    if isinstance(value, ModalBridge):
+        value = ModalParts.of(value)
     yield name, value
     if dataclasses.is_dataclass(value):
         for field in dataclasses.fields(value):

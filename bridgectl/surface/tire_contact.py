@@ -34,16 +34,8 @@ BLOCK = 64
 class TireContact:
     """The tire force of a vehicle of one tire, on an approach and a bridge of ramps.
 
-    Parameters
-    ----------
-    run : Run
-        The crossing, its start, and a smooth road with stations at the ends of the ramps.
-    speeds : ndarray, shape (S,)
-        Speeds [m/s].
-    ramp_length : float
-        Length of the ramps [m], which start at ``run.start``.
-    n_ramps : int
-        Their number.
+    The ramps are `n_ramps` of one length [m] from ``run.start`` on, and the smooth road of the run
+    has stations at their ends; speeds [m/s] have the shape (S,).
     """
 
     def __init__(self, run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int) -> None:
@@ -53,19 +45,7 @@ class TireContact:
         self.on_bridge = factor_histories(of_tire, speeds, ramp_length, n_ramps)
 
     def doubtful(self, speed: int, drops: FloatArray) -> NDArray[np.bool_]:
-        """Tell which roads may lift the tire at one speed.
-
-        Parameters
-        ----------
-        speed : int
-            Index of the speed.
-        drops : ndarray, shape (n_ramps, n_roads)
-            Drop over each ramp [m].
-
-        Returns
-        -------
-        ndarray of bool, shape (n_roads,)
-        """
+        """Tell which roads, drops [m] (n_ramps, n_roads), may lift a tire at a speed, by index."""
         least = superposed(self.on_bridge, speed, drops).min(axis=0)
         if self.n_before:
             before = 1 + self._least_change(self.durations[speed], drops[: self.n_before])

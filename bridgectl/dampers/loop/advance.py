@@ -157,12 +157,7 @@ class Stepper:
             now.put_back(cases, cut)
 
     def _take(
-        self,
-        now: Ends,
-        steps: Steps,
-        k: int,
-        bounds: Bounds,
-        roads: NDArray[np.intp] | None = None,
+        self, now: Ends, steps: Steps, k: int, bounds: Bounds, roads: NDArray[np.intp] | None = None
     ) -> Taken:
         """Solve a step; of cases, `roads` tells the road of each."""
         here, n_states = len(now.force), steps.free.shape[-1]

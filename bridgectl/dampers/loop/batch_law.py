@@ -65,24 +65,15 @@ OPERATIONS: dict[int, Operation] = {
 }
 """What CasADi's operations are on arrays."""
 
-
 NOTHING = np.zeros((1, 0, 1))
 """Memory, and what is seen ahead, of a law without."""
 
 
 class BatchLaw:
-    """The command of a strategy for arrays of signals, one row a speed: a `Controller`.
+    """The `Controller` that is a strategy, of S speeds [m/s] and R roads.
 
-    Parameters
-    ----------
-    strategy : Strategy
-        The strategy.
-    speeds : sequence of float
-        Speed of each row [m/s]; see `Strategy.for_speed`.
-    gains : mapping, optional
-        Gains that differ between cases, by name, shape (speeds, roads); see `Strategy.gains_for`.
-    sample_time : float, optional
-        Time between samples [s].
+    `gains` are those that differ between cases, by name, shape (S, R); `sample_time` is the time
+    between samples [s]. See `Strategy.for_speed` and `Strategy.gains_for`.
     """
 
     def __init__(
@@ -106,19 +97,14 @@ class BatchLaw:
         self._know({})
 
     def start(self, n_speeds: int, n_roads: int) -> FloatArray:
-        """Return the initial values of the states, shape (speeds, states, roads)."""
+        """See `Controller.start`."""
         own = np.array([[*law.states.values()] for law in self.laws], dtype=np.float64)
         return np.tile(own[..., np.newaxis], (n_speeds // len(own), 1, n_roads))
 
     def foresee(self, positions: FloatArray, speeds: FloatArray) -> None:
         """Evaluate ahead of all samples what depends on place and speed alone.
 
-        Parameters
-        ----------
-        positions : ndarray, shape (speeds, samples)
-            Where each speed is at each sample [m].
-        speeds : ndarray, shape (speeds,)
-            Speeds [m/s].
+        Positions [m] have the shape (speeds, samples), speeds [m/s] the shape (speeds,).
         """
         self._know({"position": positions, "speed": speeds[:, np.newaxis]})
 
@@ -150,27 +136,9 @@ class BatchLaw:
         ahead: FloatArray = NOTHING,
         sample: int = 0,
     ) -> tuple[FloatArray, FloatArray]:
-        """Return the command [N s/m], and the next states.
+        """See `Controller.command`; NaN and infinity of a law or an update are errors.
 
-        Parameters
-        ----------
-        signals : mapping
-            Arrays by name, of shapes that broadcast together; the laws of several speeds take
-            the first so many rows.
-        memory, ahead : ndarray, shapes (speeds, states, roads) and (speeds, distances, roads)
-            The states, and what is seen ahead [m]: see `Controller`.
-        sample : int, optional
-            Which of the samples it is that were foreseen.
-
-        Returns
-        -------
-        tuple of ndarray
-            Of the shape that the signals broadcast to; and as `memory`.
-
-        Raises
-        ------
-        ValueError
-            If the law, or the update of its states, returns NaN or infinity.
+        `sample` is one of those foreseen. Signals tell the shape (S, R) by what they broadcast to.
         """
         shape = np.broadcast_shapes(*(np.shape(value) for value in signals.values()))
         inputs = signals, self._gains(shape), memory, ahead
@@ -184,11 +152,7 @@ class BatchLaw:
             return c, numbers(f"update of {self.name}", np.stack(after, axis=1))
 
     def _together(
-        self,
-        steps: list[_Step],
-        inputs: _Inputs,
-        shape: tuple[int, ...],
-        sample: int,
+        self, steps: list[_Step], inputs: _Inputs, shape: tuple[int, ...], sample: int
     ) -> list[FloatArray]:
         """Step after step, each for all cases."""
         values: dict[int, Any] = {}

@@ -20,7 +20,6 @@ class Controller(Protocol):
 
     def start(self, n_speeds: int, n_roads: int) -> FloatArray:
         """Memory at the first sample, (S, m, R); m may be 0."""
-        ...
 
     def command(
         self, signals: Mapping[str, FloatArray], memory: FloatArray, ahead: FloatArray, sample: int
@@ -31,4 +30,3 @@ class Controller(Protocol):
         elevations ahead less that under the tire [m], (S, n, R), positive up; and the sample's
         number.
         """
-        ...

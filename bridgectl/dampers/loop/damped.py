@@ -46,24 +46,10 @@ def simulate_run(run: Run, damper: Damper, speeds: FloatArray) -> LoopResult:
 def damped_response(
     run: Run, speed: float, damper: Damper, asked: FloatArray
 ) -> tuple[Run, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return places, states, tire forces and damper forces of one crossing.
+    """Return a run of one crossing without the vehicle's own damper, and what happened in it.
 
-    Parameters
-    ----------
-    run : Run
-        The crossing and its road.
-    speed : float
-        Speed [m/s].
-    damper : Damper
-        The damper.
-    asked : ndarray
-        Places [m] that are wanted; by default the ends of all steps.
-
-    Returns
-    -------
-    run : Run
-        The same without the vehicle's own damper.
-    positions, states, forces, damper : ndarray, shapes (m,), (n, m), (1, m), (1, m)
+    That is places [m], states, tire forces and damper forces [N], of shapes (m,), (n, m), (1, m)
+    and (1, m): at places that are asked for [m], by default the ends of all steps.
     """
     crossing = _bare(run.crossing)
     x = _stations(run, asked)
@@ -109,19 +95,7 @@ class RampsAndRoads(NamedTuple):
 def damped_surface(
     crossing: Crossing, damper: Damper, speeds: FloatArray, grid: RampGrid
 ) -> RampSurface:
-    """Return the surface of a damper that is not constant: see `bridgectl.ramp_surface`.
-
-    Parameters
-    ----------
-    crossing : Crossing
-        The crossing.
-    damper : Damper
-        The damper.
-    speeds : ndarray, shape (n_speeds,)
-        Speeds [m/s].
-    grid : RampGrid
-        The ramps.
-    """
+    """Return the surface of a damper that is not constant: see `bridgectl.ramp_surface`."""
     histories = FeedbackHistories(damper.strategy.name)
     if damper.kept is not None:
         smooth, ramps = _best_kept(crossing, damper.kept, speeds, grid)
@@ -169,26 +143,12 @@ def ramps_and_roads(
     roads: FloatArray | None = None,
     record: tuple[str, ...] = (),
 ) -> RampsAndRoads:
-    """Simulate unit ramps and roads side by side.
+    """Simulate unit ramps and roads side by side at speeds [m/s], shape (n_speeds,).
 
-    Parameters
-    ----------
-    crossing, damper, speeds
-        The crossing; the damper; speeds [m/s], shape (n_speeds,).
-    stations : ndarray, shape (n,)
-        Stations of the roads [m].
-    starts : ndarray of int, shape (n_ramps,)
-        Stations that the ramps start at, by number, never falling; each reaches to the next one.
-    drops : ndarray, shape (n_ramps,)
-        Drop over each ramp [m].
-    roads : ndarray, shape (n_roads, n), optional
-        Elevations of roads [m].
-    record : tuple of str, optional
-        Histories to keep of the roads: see `simulate_loop`.
-
-    Returns
-    -------
-    RampsAndRoads
+    The roads have `stations` [m], shape (n,), and elevations [m], shape (n_roads, n). Each ramp
+    reaches from one of `starts`, stations by number that never fall, to the next station, and drops
+    by one of `drops` [m], both of shape (n_ramps,). What `simulate_loop` is to record is of the
+    roads.
     """
     whole = np.empty((0, len(stations))) if roads is None else roads
     require_loop(

@@ -30,7 +30,6 @@ MOST = 50
 HALVINGS = 40
 """Of the interval that an event is in: to the last digit."""
 
-
 Bound = FloatArray | float | None
 """A number, an array (S, 1, R), or None for no bound."""
 

@@ -21,25 +21,11 @@ ROUNDS = 64
 
 
 class Noise:
-    """White noise of each sample, by round of a plan.
+    """White noise of each sample, of a standard `deviation` [m/s], by round of a plan.
 
-    A crossing's noise depends on the seed, its road from start to the end of the bridge and its
-    speed: it is the same alone and beside others.
-
-    Parameters
-    ----------
-    seed : int
-        Seed.
-    deviation : float
-        Standard deviation [m/s].
-    plan : Plan
-        Rounds from sample to sample.
-    speeds : ndarray, shape (S,)
-        Speeds [m/s].
-    stations, drops : ndarray, shapes (n,) and (n, R)
-        Stations and drops of the roads [m].
-    end : float
-        End of the bridge [m].
+    A crossing's noise depends on the seed, its road from start to the `end` of the bridge [m] and
+    its speed: it is the same alone and beside others. Speeds [m/s] have the shape (S,), stations
+    and drops of the roads [m] the shapes (n,) and (n, R).
     """
 
     def __init__(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,15 +50,13 @@ class LoopResult:
 
     def of_speeds(self, order: NDArray[np.intp]) -> LoopResult:
         """Return the speeds in another order, of numbers from 0."""
-        return LoopResult(
-            self.daf[order], self.least_force[order], self.lift_off[order],
-            self.dissipated[order], self.switches[order],
-            tuple(self.histories[i] for i in order) if self.histories else (),
-        )  # fmt: skip
+        histories = tuple(self.histories[i] for i in order) if self.histories else ()
+        return self._at(order, histories)
 
     def of_roads(self, roads: slice) -> LoopResult:
         """Return a slice of the roads; the histories are as they were recorded."""
-        return LoopResult(
-            self.daf[:, roads], self.least_force[:, roads], self.lift_off[:, roads],
-            self.dissipated[:, roads], self.switches[:, roads], self.histories,
-        )  # fmt: skip
+        return self._at((slice(None), roads), self.histories)
+
+    def _at(self, index: Any, histories: tuple[dict[str, FloatArray], ...]) -> LoopResult:
+        arrays = {name: of[index] for name, of in vars(self).items() if name != "histories"}
+        return LoopResult(**arrays, histories=histories)

@@ -29,22 +29,11 @@ def require_loop(
     at_once: int | None = None,
     announced: bool = True,
 ) -> None:
-    """Refuse closed-loop crossings that are too much work.
+    """Refuse closed-loop crossings that are too much work, one run for each damper.
 
-    Parameters
-    ----------
-    crossing : Crossing
-        Of the vehicle without its own damper.
-    dampers : sequence of Damper
-        One run each.
-    speeds, stations : ndarray
-        Speeds [m/s] and stations of the roads [m].
-    n_roads, n_ramps, n_recorded : int
-        Roads, unit ramps beside them (once), and histories that are kept of the roads.
-    at_once : int, optional
-        Roads of one run; by default all.
-    announced : bool
-        Whether long work needs a word.
+    The crossing is of the vehicle without its own damper, at speeds [m/s], over roads with stations
+    [m]: so many roads, `at_once` in a run (by default all), unit ramps beside them once, and
+    recorded histories of each road. `announced` tells whether long work needs a word.
     """
     dense = min(dampers, key=lambda damper: damper.sample_time)
     stiff = max(dampers, key=lambda damper: damper.strategy.c_max)

@@ -69,8 +69,7 @@ def _grid(file: str) -> Any:
         fault = f"OpenCRG files need the package pyopencrg: type {INSTALL}"
         raise refusal(file, fault) from None
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", pyopencrg.CrgCheckWarning)
+        with warnings.catch_warnings(action="ignore", category=pyopencrg.CrgCheckWarning):
             grid = pyopencrg.read(file)
             notes = grid.check().warnings
     except Exception as error:  # of any kind: it parses what may be no OpenCRG file at all

@@ -9,17 +9,8 @@ import numpy as np
 
 from bridgectl._checks import FloatArray
 from bridgectl._places import even_places
+from bridgectl.road.files import dialect
 from bridgectl.road.files.counters import passing_columns, require_elevations, require_no_stations
-from bridgectl.road.files.dialect import (
-    CHAINAGE_DIGITS,
-    COMMA,
-    chainage_digits,
-    decimal_mark,
-    delimiter_in,
-    has_comma_twice,
-    is_numeric,
-    is_one_column,
-)
 from bridgectl.road.files.header import (
     Columns,
     Header,
@@ -82,7 +73,7 @@ def read_delimited(
     picked = pick([named.label(column) for column in columns.elevations])
     wanted = Columns(columns.station, tuple(columns.elevations[i] for i, _ in picked))
     layout = _layout(file, rows, delimiter, wanted, units[0], request)
-    if layout.chainage == CHAINAGE_DIGITS["m"]:
+    if layout.chainage == dialect.CHAINAGE_DIGITS["m"]:
         units = ("m", *units[1:])  # also where "km" tells what stands before the plus
     table = read_table(layout, first, texts)
     if table.values.shape[1] < 2:
@@ -107,23 +98,25 @@ def _delimiter(file: str, rows: Sequence[Line], preamble: Preamble, request: Req
     """Return what separates the columns, where that is beyond doubt."""
     line, text = rows[0]
     told = request.delimiter or preamble.separator
-    delimiter = told or delimiter_in(text, request.decimal)
-    if delimiter != COMMA:
+    delimiter = told or dialect.delimiter_in(text, request.decimal)
+    if delimiter != dialect.COMMA:
         return delimiter
-    if request.decimal == COMMA:  # of a line sep=,
+    if request.decimal == dialect.COMMA:  # of a line sep=,
         fault = "commas cannot separate columns and be decimal marks"
         raise refusal(file, f'{fault}: pass delimiter=";" (--delimiter ";") or no decimal', line)
     if request.decimal is not None or request.columns is not None:
         return delimiter
-    width, names = len(split(text, COMMA)), n_names(preamble.header)
-    if names == width or make_header(preamble.comment, width, COMMA).lengths:
+    width, names = len(split(text, dialect.COMMA)), n_names(preamble.header)
+    if names == width or make_header(preamble.comment, width, dialect.COMMA).lengths:
         return delimiter
-    if has_comma_twice(rows, names, bool(make_header(preamble.header, names, COMMA).lengths)):
+    if dialect.has_comma_twice(
+        rows, names, bool(make_header(preamble.header, names, dialect.COMMA).lengths)
+    ):
         fault = f"commas may separate columns or be decimal marks in {quoted(text)}"
         advice = "save the file with semicolons between columns, or with decimal points"
         remedy = f"{advice}; {passing('columns')} if they separate columns"
         raise refusal(file, f"{fault}: {remedy}", line)
-    if told is None and request.step is not None and is_one_column(rows):
+    if told is None and request.step is not None and dialect.is_one_column(rows):
         if any(is_complete(make_header(about, 1, " "), request) for about in preamble.above):
             return " "  # for that is about one column
         advice = 'pass decimal="," (--decimal ,) or columns=(0,) (--columns 0)'
@@ -141,15 +134,15 @@ def _layout(
     plain = Layout(file, wanted.all, delimiter, width, stations=stations, missing=missing)
     return replace(
         plain,
-        decimal=request.decimal or decimal_mark(file, rows, delimiter, wanted.all),
-        chainage=chainage_digits(file, rows[0], delimiter, wanted.station, unit),
+        decimal=request.decimal or dialect.decimal_mark(file, rows, delimiter, wanted.all),
+        chainage=dialect.chainage_digits(file, rows[0], delimiter, wanted.station, unit),
     )
 
 
 def _require_numbers(file: str, rows: Sequence[Line], delimiter: str, request: Request) -> None:
     """Refuse words where the numbers should begin, also such as 0.25 m above one column."""
     line, text = rows[0]
-    numeric = [is_numeric(field) for field in split(text, delimiter)]
+    numeric = [dialect.is_numeric(field) for field in split(text, delimiter)]
     words = any(c.isalpha() for c in text) and not any(numeric) and request.missing is None
     width, *others = (len(split(row, delimiter)) for _, row in rows[:3])
     unlike = len(others) == 2 and len({*others}) == 1 and width not in others
@@ -171,7 +164,7 @@ def _require_columns(
     )
     if columns.station is not None:
         missing += ", or step= (--step) if there are no stations"
-    other = "" if request.decimal == COMMA else wrong_separator(first[1], delimiter)
+    other = "" if request.decimal == dialect.COMMA else wrong_separator(first[1], delimiter)
     raise refusal(file, other or missing, first[0])
 
 

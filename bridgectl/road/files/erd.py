@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from bridgectl._places import even_places
+from bridgectl.road.files import tracks
 from bridgectl.road.files.lines import (
     Line,
     delimiter_of,
@@ -23,15 +24,6 @@ from bridgectl.road.files.lines import (
 )
 from bridgectl.road.files.missing import UNTOLD
 from bridgectl.road.files.table import Layout, Table, read_table
-from bridgectl.road.files.tracks import (
-    TELL_UNITS,
-    UNITS,
-    Pick,
-    Request,
-    Track,
-    make_roads,
-    odd_step,
-)
 from bridgectl.road.profile import RoadProfile
 
 SIGNATURE = "ERDFILEV"
@@ -85,9 +77,9 @@ class _Header:
         """Return a unit, "" if none is stated; old files have capitals."""
         word = self.part(name, channel)
         unit = word.lower()
-        if not word or unit in UNITS or (name == "UNITSNAM" and _NO_LENGTH.fullmatch(word)):
+        if not word or unit in tracks.UNITS or (name == "UNITSNAM" and _NO_LENGTH.fullmatch(word)):
             return unit
-        fault = f"unknown unit {quoted(word)} in {name}, known units: {', '.join(UNITS)}"
+        fault = f"unknown unit {quoted(word)} in {name}, known units: {', '.join(tracks.UNITS)}"
         raise refusal(self.file, f"{fault}: correct the line", self.fields[name][0])
 
     def label(self, channel: int) -> str:
@@ -96,7 +88,9 @@ class _Header:
         return printable(long_name or self.part("SHORTNAM", channel))
 
 
-def read_erd(file: str, texts: Iterator[str], request: Request, pick: Pick) -> list[RoadProfile]:
+def read_erd(
+    file: str, texts: Iterator[str], request: tracks.Request, pick: tracks.Pick
+) -> list[RoadProfile]:
     """Return the tracks wanted of an ERD file."""
     request.require_nothing_but_units(file, "an ERD file", "missing")
     header = _header(file, texts)
@@ -114,11 +108,11 @@ def read_erd(file: str, texts: Iterator[str], request: Request, pick: Pick) -> l
     _require_all(header, table, n_samples)
     x = even_places(origin, step, n_samples)
     remedy = "correct it, or the unit in UNITSNAM or XUNITS"
-    tracks = [
-        Track(name, z, elevations[i], remedy)
+    found = [
+        tracks.Track(name, z, elevations[i], remedy)
         for z, (i, name) in zip(table.values, picked, strict=True)
     ]
-    return make_roads(file, x, tracks, table.line, request)
+    return tracks.make_roads(file, x, found, table.line, request)
 
 
 def _header(file: str, texts: Iterator[str]) -> _Header:
@@ -159,20 +153,20 @@ def _first_row(header: _Header, n_channels: int, texts: Iterator[str]) -> Line:
 def _channels(header: _Header, n_channels: int) -> list[int]:
     """Return the channels that hold lengths: those are elevations."""
     units = [header.unit("UNITSNAM", channel) for channel in range(n_channels)]
-    lengths = [channel for channel, unit in enumerate(units) if unit in UNITS or not unit]
+    lengths = [channel for channel, unit in enumerate(units) if unit in tracks.UNITS or not unit]
     if not lengths:
         fault = f"no channel is an elevation, the units are {', '.join(map(quoted, units[:10]))}"
-        advice = f"expected one in {', '.join(UNITS)}"
+        advice = f"expected one in {', '.join(tracks.UNITS)}"
         raise refusal(header.file, f"{fault}: {advice}", header.fields["UNITSNAM"][0])
     return lengths
 
 
-def _units(header: _Header, channels: list[int], request: Request) -> tuple[str, list[str]]:
+def _units(header: _Header, channels: list[int], request: tracks.Request) -> tuple[str, list[str]]:
     """Return the unit of the stations and of each elevation, stated or asked for."""
     asked = request.units or ("", "")
     if len(asked) > 2:
         fault = f"units must name two units, got {len(asked)}"
-        raise refusal(header.file, f"{fault}: {TELL_UNITS}")
+        raise refusal(header.file, f"{fault}: {tracks.TELL_UNITS}")
     stations = [_agreed(header, "XUNITS", 0, asked[0] if len(asked) == 2 else "")]
     return stations[0], [_agreed(header, "UNITSNAM", c, asked[-1]) for c in channels]
 
@@ -183,19 +177,19 @@ def _agreed(header: _Header, name: str, channel: int, asked: str) -> str:
         fault = f"the unit stated here is {stated}, not {asked}: pass {stated} or correct this line"
         raise refusal(header.file, fault, header.fields[name][0])
     if not (stated or asked):
-        fault = f"the file does not state its units in {name}: {TELL_UNITS}"
+        fault = f"the file does not state its units in {name}: {tracks.TELL_UNITS}"
         raise refusal(header.file, fault)
     return stated or asked
 
 
 def _stations(header: _Header, unit: str) -> tuple[float, float]:
     """Return the first station and the step between stations [m]."""
-    step = header.count("STEP") * UNITS[unit]
-    if fault := odd_step(step):
+    step = header.count("STEP") * tracks.UNITS[unit]
+    if fault := tracks.odd_step(step):
         raise refusal(header.file, f"a {fault}: correct STEP or XUNITS", header.counts[0])
     line, text = header.fields.get("XSTART", (0, "0"))
     try:
-        return number(text) * UNITS[unit], step
+        return number(text) * tracks.UNITS[unit], step
     except ValueError:
         fault = f"expected a number in XSTART, found {quoted(text)}: correct or remove the line"
         raise refusal(header.file, fault, line) from None

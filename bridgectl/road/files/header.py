@@ -6,18 +6,8 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from bridgectl.road.files import lines
 from bridgectl.road.files.dialect import checked_delimiter, delimiter_in, is_numeric, separator_line
-from bridgectl.road.files.lines import (
-    COMMENTS,
-    Line,
-    is_blank,
-    is_comment,
-    passing,
-    printable,
-    quoted,
-    refusal,
-    split,
-)
 from bridgectl.road.files.tracks import UNITS, Request
 
 _NUMBER_LIKE = re.compile(r"[+-]?(\.?\d|(nan|inf|infinity)$)", re.IGNORECASE)
@@ -65,14 +55,14 @@ class Columns:
 class Preamble:
     """The lines above the numbers, and the first of those."""
 
-    header: Line | None
-    comment: Line | None
-    first: Line
+    header: lines.Line | None
+    comment: lines.Line | None
+    first: lines.Line
     separator: str | None = None
     """The delimiter that a line ``sep=;`` states."""
 
     @property
-    def above(self) -> tuple[Line | None, Line | None]:
+    def above(self) -> tuple[lines.Line | None, lines.Line | None]:
         """The lines that may name the columns."""
         return self.header, self.comment
 
@@ -99,7 +89,7 @@ def read_preamble(
     separator = None
     numbered = enumerate(texts, 1)
     for line, text in enumerate(head[skipped:], skipped + 1):
-        if not is_blank(text):
+        if not lines.is_blank(text):
             if mark := separator_line(text):
                 separator, skipped = checked_delimiter(file, mark, line), line
             break
@@ -108,37 +98,39 @@ def read_preamble(
         passed = [line for line in lines_after(head, skipped) if line[0] <= above]
         request.remarks.append(
             f"{file}: {len(passed)} line{'s' * (len(passed) > 1)} above the names and units on "
-            f"line {above + 1} passed over, the first {quoted(passed[0][1])}: pass "
+            f"line {above + 1} passed over, the first {lines.quoted(passed[0][1])}: pass "
             f"skip_lines={above} (--skip-lines {above}) if that is right"
         )
     return _classic(file, numbered, above, separator)
 
 
-def _classic(file: str, numbered: Iterator[Line], skipped: int, separator: str | None) -> Preamble:
+def _classic(
+    file: str, numbered: Iterator[lines.Line], skipped: int, separator: str | None
+) -> Preamble:
     """Return the header, the last comment and the first line of numbers."""
-    header: Line | None = None
-    comment: Line | None = None
+    header: lines.Line | None = None
+    comment: lines.Line | None = None
     empty = True
     for line, text in numbered:
-        if is_blank(text):
+        if lines.is_blank(text):
             continue
         empty = False
         if line <= skipped:
             continue
-        if is_comment(text):
-            comment = (line, text.lstrip().lstrip("".join(COMMENTS)))
+        if lines.is_comment(text):
+            comment = (line, text.lstrip().lstrip("".join(lines.COMMENTS)))
         elif header is None and _names_columns(text):
             header = (line, text)
         else:
             return Preamble(header, comment, (line, text), separator)
     fault = "the file is empty: expected lines of" if empty else "no line of numbers: expected a"
-    raise refusal(file, f"{fault} station and {'' if empty else 'an '}elevation on each line")
+    raise lines.refusal(file, f"{fault} station and {'' if empty else 'an '}elevation on each line")
 
 
-def lines_after(head: Sequence[str], skipped: int) -> Iterator[Line]:
+def lines_after(head: Sequence[str], skipped: int) -> Iterator[lines.Line]:
     """Yield those of the first lines after some that are neither blank nor comments."""
     for line, text in enumerate(head[skipped:], skipped + 1):
-        if not is_blank(text) and not is_comment(text):
+        if not lines.is_blank(text) and not lines.is_comment(text):
             yield line, text
 
 
@@ -146,19 +138,21 @@ def _lines_above(
     file: str, head: Sequence[str], skipped: int, separator: str | None, request: Request
 ) -> int:
     """Return how many lines to pass over: all above one that names columns and their units."""
-    lines = list(lines_after(head, skipped))
-    for i, (line, text) in enumerate(lines[:-1]):
+    kept = list(lines_after(head, skipped))
+    for i, (line, text) in enumerate(kept[:-1]):
         if not _names_columns(text):
             continue
-        row = lines[i + 1][1]
+        row = kept[i + 1][1]
         delimiter = request.delimiter or separator or delimiter_in(row, request.decimal)
-        header = make_header((line, text), len(split(row, delimiter)), delimiter)
+        header = make_header((line, text), len(lines.split(row, delimiter)), delimiter)
         if is_complete(header, request):
-            rows = [above for above in lines[:i] if _is_row(above[1], separator, request)]
+            rows = [above for above in kept[:i] if _is_row(above[1], separator, request)]
             if rows and request.units is None:
                 fault = f"numbers stand above the names and units on line {line}"
                 advice = f"remove them, or {tell_skip_lines(line - 1)}"
-                raise refusal(file, f"{fault}, {quoted(rows[0][1])}: {advice}", rows[0][0])
+                raise lines.refusal(
+                    file, f"{fault}, {lines.quoted(rows[0][1])}: {advice}", rows[0][0]
+                )
             return skipped if rows or not i else line - 1
     return skipped
 
@@ -166,13 +160,13 @@ def _lines_above(
 def _is_row(text: str, separator: str | None, request: Request) -> bool:
     """Tell whether a line looks like one of numbers, which nobody passes over."""
     delimiter = request.delimiter or separator or delimiter_in(text, request.decimal)
-    return sum(map(is_numeric, split(text, delimiter))) >= (2 if request.step is None else 1)
+    return sum(map(is_numeric, lines.split(text, delimiter))) >= (2 if request.step is None else 1)
 
 
 def _names_columns(text: str) -> bool:
     words = re.split(r"[,;\s\"']+", text)
     if not any(map(_NUMBER_LIKE.match, words)):
-        return any(c.isalpha() for c in printable(text))
+        return any(c.isalpha() for c in lines.printable(text))
     # A track may be called 2, the stations not.
     first_word = text.lstrip(" \t\"'")
     return re.search(_BRACKETED, text) is not None and not _NUMBER_LIKE.match(first_word)
@@ -192,12 +186,12 @@ def headers(
     return (named if named.names else stating), stating
 
 
-def make_header(line: Line | None, width: int, delimiter: str) -> Header:
+def make_header(line: lines.Line | None, width: int, delimiter: str) -> Header:
     """Return what a line says of so many columns, nothing if it is not about so many."""
     if line is None:
         return Header()
     ways = (
-        split(line[1], delimiter),
+        lines.split(line[1], delimiter),
         re.split("[,;\t]", line[1]),
         re.findall(r"[^\s\[(]+\s*(?:[\[(][^\])]*[\])])?", line[1]),
     )
@@ -206,7 +200,7 @@ def make_header(line: Line | None, width: int, delimiter: str) -> Header:
     labels = [name[: m.start()] if m else name for name, m in zip(names, found, strict=True)]
     return Header(
         line[0],
-        tuple(printable(label.strip(" \t\"'")) for label in labels),
+        tuple(lines.printable(label.strip(" \t\"'")) for label in labels),
         tuple(m and (m[1] or m[2]).replace("km+m", "m") for m in found),
     )
 
@@ -224,11 +218,11 @@ def states_both(header: Header, columns: Columns) -> bool:
     return all(column in header.lengths for column in columns.all)
 
 
-def n_names(line: Line | None) -> int:
+def n_names(line: lines.Line | None) -> int:
     """Return how many names a header has between its commas, semicolons or tabs."""
     return 0 if line is None else len(re.split("[,;\t]", line[1]))
 
 
 def tell_skip_lines(line: int) -> str:
     """Say how to pass over the lines up to one."""
-    return f"{passing('skip_lines')} with {line} or more if the road begins below"
+    return f"{lines.passing('skip_lines')} with {line} or more if the road begins below"

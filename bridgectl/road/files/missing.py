@@ -66,15 +66,12 @@ class Missing:
     def telling(self, word: str) -> str:
         """Return what to type to leave out what a word marks as well, in Python and elsewhere."""
         told = ",".join([*sorted(self.words), *(f"{value:.12g}" for value in self.numbers), word])
-        argument = word if self == UNTOLD and _is_plain(word) else f'"{told}"'
+        plain = self == UNTOLD and word[-1:].isdigit() and word.isascii()
+        argument = word if plain else f'"{told}"'
         return f"pass missing={argument} (--missing={told} on the command line)"
 
 
 UNTOLD = Missing()
-
-
-def _is_plain(word: str) -> bool:
-    return word[-1:].isdigit() and word.isascii()
 
 
 def maybe_missing(word: str, missing: Missing) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 
 from bridgectl import _checks as check
 from bridgectl._warn import warn
-from bridgectl.road.files import lines
+from bridgectl.road.files import lines, tracks
 from bridgectl.road.files.crg import MARK, read_crg
 from bridgectl.road.files.delimited import read_delimited
 from bridgectl.road.files.dialect import COMMA, POINT
@@ -23,15 +23,6 @@ from bridgectl.road.files.erd import SIGNATURE, read_erd
 from bridgectl.road.files.lines import DELIMITERS
 from bridgectl.road.files.missing import known_missing
 from bridgectl.road.files.packed import SUFFIX, unpacked, unpacked_copy
-from bridgectl.road.files.tracks import (
-    STEPS,
-    Pick,
-    Request,
-    known_units,
-    odd_step,
-    track_index,
-    track_names,
-)
 from bridgectl.road.profile import RoadProfile
 
 __all__ = ["read_profile", "read_tracks", "utia_road"]
@@ -141,7 +132,7 @@ def read_profile(
     stem = _stem(file, name)
 
     def pick(labels: Sequence[str]) -> list[tuple[int, str]]:
-        i, full_name = track_names(stem, labels)[track_index(file, track, labels)]
+        i, full_name = tracks.track_names(stem, labels)[tracks.track_index(file, track, labels)]
         return [(i, full_name if name is None else name)]
 
     return _read(file, request, pick)[0]
@@ -190,7 +181,7 @@ def read_tracks(
     file = check.path("path", path, "road.csv")
     request = _request(file, units, columns, delimiter, step, decimal, missing, skip_lines)
     stem = _stem(file, name)
-    return _read(file, request, lambda labels: track_names(stem, labels))
+    return _read(file, request, lambda labels: tracks.track_names(stem, labels))
 
 
 def utia_road() -> RoadProfile:
@@ -216,7 +207,7 @@ def utia_road() -> RoadProfile:
         return read_profile(path, units="m,m", name="UTIA road")
 
 
-def _read(file: str, request: Request, pick: Pick) -> list[RoadProfile]:
+def _read(file: str, request: tracks.Request, pick: tracks.Pick) -> list[RoadProfile]:
     """Read a file as what its content says it is, and warn the caller of what it says besides."""
     with lines.opened(file) as opened:
         handle = unpacked(file, opened)
@@ -245,10 +236,12 @@ def _request(
     file: str, units: str | Sequence[str] | None, columns: Sequence[int] | None,
     delimiter: str | None, step: float | None, decimal: str | None, missing: Any,
     skip_lines: int | None,
-) -> Request:  # fmt: skip
+) -> tracks.Request:  # fmt: skip
     """Return what the caller says of the file, once it makes sense."""
-    if step is not None and odd_step(check.positive("step", step, unit="m")):
-        raise ValueError(f"step must be {STEPS[0]:g} m to {STEPS[1]:g} m, got {step:g}")
+    if step is not None and tracks.odd_step(check.positive("step", step, unit="m")):
+        raise ValueError(
+            f"step must be {tracks.STEPS[0]:g} m to {tracks.STEPS[1]:g} m, got {step:g}"
+        )
     if delimiter is not None:
         check.choice("delimiter", delimiter, tuple(DELIMITERS))
     if decimal is not None:
@@ -258,8 +251,8 @@ def _request(
     if skip_lines is not None:
         check.integer("skip_lines", skip_lines, at_least=0)
     wanted = None if columns is None else _checked_columns(columns, 2 if step is None else 1)
-    return Request(
-        known_units(file, units), wanted, delimiter, step, decimal, skip_lines,
+    return tracks.Request(
+        tracks.known_units(file, units), wanted, delimiter, step, decimal, skip_lines,
         None if missing is None else known_missing(missing),
     )  # fmt: skip
 
