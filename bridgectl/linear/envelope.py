@@ -58,17 +58,17 @@ class Envelope:
     places: FloatArray
     """Places from the start of the bridge [m], ascending."""
     largest: FloatArray
-    """Largest value at each place, in the effect's unit."""
+    """Largest value at each place [N m, N, m or m/s^2: by quantity]."""
     smallest: FloatArray
-    """Smallest value at each place, in the effect's unit."""
+    """Smallest value at each place [likewise]."""
     largest_at: FloatArray
     """Where the reference tire is at the largest value [m]; the time is that over the speed."""
     smallest_at: FloatArray
     """Where the reference tire is at the smallest value [m]."""
     static_largest: FloatArray
-    """Largest value that the weight of the vehicle alone gives, in the effect's unit."""
+    """Largest value that the weight of the vehicle alone gives [likewise]."""
     static_smallest: FloatArray
-    """Smallest value that the weight of the vehicle alone gives, in the effect's unit."""
+    """Smallest value that the weight of the vehicle alone gives [likewise]."""
 
     def __repr__(self) -> str:
         lowest, highest = self.smallest.argmin(), self.largest.argmax()
