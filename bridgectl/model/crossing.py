@@ -372,10 +372,11 @@ def require_factor(crossing: Crossing, *, unless_none: bool = False) -> None:
     if crossing.static_peak == 0 and (crossing.effect.has_static or not unless_none):
         effect = crossing.effect
         other = next(sense for sense in SENSES if sense != effect.sense)
+        instead = f"another place or sense={other!r}, or " if effect.has_static else ""
         raise ValueError(
             f"effect must have a static peak for a factor, and the {effect.sense} static "
-            f"{effect.label} of {effect!r} is 0 {effect.unit}: type another place or "
-            f"sense={other!r}, or peak_effect(...) for its peak"
+            f"{effect.label} of {effect!r} is 0 {effect.unit}: type {instead}peak_effect(...) for "
+            "its peak"
         )
 
 
