@@ -9,7 +9,7 @@ Its rooms, each of which imports from those below it alone (`lint-imports`, `tes
 
     cli         the commands: options, tables
     paper       parameters, printed numbers and validation of the paper
-    scoring     scores of damper strategies: run, board, text, file; animation
+    scoring     scores of damper strategies: run, board, text, file; animation, envelopes
     simulate    the front door: crossing_response, daf, ramp_surface choose an engine
     dampers     strategies; loop/ closed loops, optimum/ the best with all known;  extremes
     surface     ramp surfaces: compute, histories, DAE, trust, file
@@ -44,6 +44,7 @@ from bridgectl._version import __version__ as __version__
 if TYPE_CHECKING:
     from bridgectl._plausible import PlausibilityWarning
     from bridgectl.animation import crossing_animation
+    from bridgectl.envelopes import envelope
     from bridgectl.linear.lift_off import LiftOffWarning
     from bridgectl.linear.prediction import prediction_matrices
     from bridgectl.model.beam import Beam
@@ -112,6 +113,7 @@ __all__ = [
     "crossing_system",
     "dae_trust",
     "daf",
+    "envelope",
     "iso8608_profile",
     "li2006",
     "load_surface",
@@ -139,6 +141,7 @@ _MOVED = {"validation": "paper.validation", "weighting": "measures.weighting"}
 _HOMES = {
     "_plausible": ("PlausibilityWarning",),
     "animation": ("crossing_animation",),
+    "envelopes": ("envelope",),
     "linear.lift_off": ("LiftOffWarning",),
     "linear.prediction": ("prediction_matrices",),
     "model.beam": ("Beam",),

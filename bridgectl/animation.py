@@ -9,7 +9,8 @@ from matplotlib.animation import FuncAnimation
 from bridgectl import _checks as check
 from bridgectl.dampers import Damper, Strategy
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing
+from bridgectl.model.bridge_effects import Moment
+from bridgectl.model.crossing import Crossing, require_factor
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 from bridgectl.plots.animation import BETWEEN, DrawnCrossing, draw_crossing
@@ -28,6 +29,7 @@ def crossing_animation(
     *,
     damper: Damper | Strategy | None = None,
     start: float = 0.0,
+    effect: Moment | None = None,
     frames: int = 100,
     fps: float = 20.0,
 ) -> FuncAnimation:
@@ -41,7 +43,7 @@ def crossing_animation(
 
     Parameters
     ----------
-    beam : Beam
+    beam : Beam, Bridge or ModalBridge
         The bridge.
     vehicle : QuarterCar
         The vehicle.
@@ -54,6 +56,8 @@ def crossing_animation(
         A semi-active damper in place of the vehicle's own.
     start : float, optional
         Where the vehicle starts, in equilibrium [m]: 0, or negative for a start on the approach.
+    effect : Moment, optional
+        The moment that is drawn. Default: the one halfway along the bridge.
     frames : int, optional
         Number of frames, 2 or more.
     fps : float, optional
@@ -87,7 +91,11 @@ def crossing_animation(
     ...     (Path(folder) / "crossing.gif").read_bytes()[:6]
     b'GIF89a'
     """
-    crossing = Crossing(beam, require_quarter_car(vehicle, "no other is drawn"))
+    if not isinstance(effect, Moment | None):
+        raise TypeError(f"effect must be a Moment, got {effect!r:.60}: type bridgectl.Moment(12.5)")
+    car = require_quarter_car(vehicle, "no other is drawn")
+    crossing = Crossing(beam, car, effect or Moment())
+    require_factor(crossing)
     c = Motion(speed).speed
     count = check.integer("frames", frames, at_least=2)
     rate = check.positive("fps", fps)
@@ -96,7 +104,7 @@ def crossing_animation(
     x = np.linspace(first, (1 + ROLLS_ON) * span, BETWEEN * (count - 1) + 1)
     response = crossing_response(
         beam, vehicle, c, profile, start=start, damper=damper, tail=(ROLLS_ON + 0.01) * span / c,
-        timepts=x / c,
+        timepts=x / c, effect=crossing.effect, static=True,
     )  # fmt: skip
     return draw_crossing(_drawn(crossing, c, response, profile, start), rate)
 
@@ -113,9 +121,18 @@ def _drawn(
     signal = dict(zip(response.output_labels, outputs, strict=True))
     x, modes = response.time * speed, states[crossing.n_vehicle :: 2].T
     weight, stiffness = crossing.linear.static_loads[0], crossing.linear.tire_stiffnesses[0]
-    moment, force, beam = signal["moment"], signal["tire_force"], crossing.beam
-    static = beam.influence_line(x) / beam.influence_line(crossing.section * beam.length)
+    force, static = signal["tire_force"], signal["static_moment"]
     squeeze, travel = (force - weight) / stiffness, signal["y_s"] - signal["y_t"]
     return DrawnCrossing(
-        beam, speed, profile, start, x, moment, static, force / weight, squeeze, travel, modes
+        crossing.beam,
+        speed,
+        profile,
+        start,
+        x,
+        signal["moment"],
+        static,
+        force / weight,
+        squeeze,
+        travel,
+        modes,
     )

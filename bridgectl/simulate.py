@@ -1,11 +1,11 @@
 """The front door: what users ask of a crossing, and which engine answers.
 
-The response, the dynamic amplification factor, the surface of unit ramps: arguments are checked
-and judged here, once, and the engines of linear crossings and of closed loops never come back.
+Arguments are checked and judged here, once; the engines, linear and closed loops, never come back.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import control
@@ -17,17 +17,13 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.estimates import require_surface
-from bridgectl.linear.response import (
-    METHODS,
-    as_response,
-    checked_times,
-    linear_dafs,
-    linear_response,
-)  # fmt: skip
+from bridgectl.linear.response import METHODS, as_response, checked_times, linear_response
 from bridgectl.linear.runs import Run, prepare
+from bridgectl.linear.samples import crossings_of, dafs_of_effects
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import make_crossing, require_factor
+from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
+from bridgectl.model.effects import NamedEffects
 from bridgectl.model.motion import Motion, as_motion
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
@@ -35,10 +31,8 @@ from bridgectl.road import RoadProfile
 from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, linear_surface, ramp_grid
 from bridgectl.surface.surface import RampSurface
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # dampers, which bring CasADi, are imported late
     from bridgectl.dampers import Damper, Strategy
-
-# Dampers are imported late: they bring CasADi, which a crossing without one does not need.
 
 
 @on_one_thread
@@ -52,6 +46,8 @@ def crossing_response(
     section: float = 0.5,
     recovery: str = "exact",
     effect: Effect | str = "moment",
+    effects: NamedEffects = (),
+    static: bool = False,
     method: str = "propagator",
     damper: Damper | Strategy | None = None,
     tail: float = 0.0,
@@ -67,9 +63,11 @@ def crossing_response(
     beam, vehicle
         See `Crossing`.
     speed : float or Motion
-        Speed c [m/s]; a motion that is not uniform goes with ``method="control"``.
+        Speed c [m/s]; motions that are not uniform go with ``method="control"``.
     section, recovery, effect
         Where 'moment' and 'deflection' are read, and how: see `daf`.
+    effects, static
+        Further outputs: see `crossing_system`.
     profile : RoadProfile, optional
         The road, covering `start` to the end of the bridge; level beyond its end. Default:
         a smooth road.
@@ -78,7 +76,7 @@ def crossing_response(
     method : {'propagator', 'control'}, optional
         The fast path, or `control.input_output_response` with tight tolerances.
     damper : bridgectl.dampers.Damper or Strategy, optional
-        A semi-active damper in place of the vehicle's own; by the fast path alone.
+        A semi-active damper in place of the vehicle's own.
     tail : float, optional
         Time of free vibration after the last tire has left the bridge [s].
     timepts : array_like, optional
@@ -106,12 +104,7 @@ def crossing_response(
     PlausibilityWarning
         If speed, vehicle, road or damper can hardly be meant.
     UserWarning
-        If the road was measured at steps of more than one foot (see `RoadProfile.measured_step`),
-        or the work takes minutes.
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eqs. (1)-(8).
+        If the road's `RoadProfile.measured_step` is above one foot, or the work takes minutes.
 
     Examples
     --------
@@ -121,7 +114,8 @@ def crossing_response(
     >>> print(f"{response.outputs['moment'].max():.4f}")
     1.1302
     """
-    motion, crossing = as_motion(speed), make_crossing(beam, vehicle, effect, section, recovery)
+    motion = as_motion(speed)
+    crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
     _checks.choice("method", method, METHODS)
     if method == "propagator" and not motion.uniform:
         raise ValueError(f'{motion!r} is not uniform: type method="control", without a damper')
@@ -130,15 +124,15 @@ def crossing_response(
     run = run._replace(end=motion.position(motion.time(run.end) + after) if after else run.end)
     judge_crossing(crossing, motion.speed, profile)
     asked = None if timepts is None else motion.position(checked_times(timepts, run, motion))
-    if damper is None:
+    devices = fitted(damper, vehicle, method)
+    if not devices:
         return as_response(run, motion, *linear_response(run, motion, asked, method))
     from bridgectl.dampers.loop.damped import damped_response
 
-    bare, device = _fast(vehicle, damper, method)
-    judge_range(bare, device)
+    judge_range(vehicle, *devices)
     places = np.zeros(0) if asked is None else asked
-    bare_run, *found = damped_response(run, motion.speed, device, places)
-    return as_response(bare_run, motion, *found)
+    found = damped_response(run, motion.speed, devices[0], places)
+    return as_response(found[0], motion, *found[1:])
 
 
 @on_one_thread
@@ -151,7 +145,7 @@ def daf(
     start: float = 0.0,
     section: float = 0.5,
     recovery: str = "exact",
-    effect: Effect | str = "moment",
+    effect: Effect | str | Sequence[Effect | str] = "moment",
     method: str = "propagator",
     damper: Damper | Strategy | None = None,
     progress: bool = True,
@@ -167,7 +161,8 @@ def daf(
     section, recovery, effect : optional
         What the factor is of: `Moment`, `Deflection` or `TireForce`. 'moment' and 'deflection' are
         short for those at a section, a fraction of the span, and with the recovery of `Moment`;
-        'tire_force' ('tire_force_1', ... of several tires) for that of a tire.
+        'tire_force' ('tire_force_1', ... of several tires) for that of a tire. A list of effects is
+        simulated once; with a damper that is not constant, once an effect.
     speeds : float or array_like
         Speeds c [m/s].
     profile, start, method, damper
@@ -177,7 +172,7 @@ def daf(
 
     Returns
     -------
-    ndarray, shape (n_speeds,)
+    ndarray, shape (n_speeds,) or (n_effects, n_speeds)
 
     Raises
     ------
@@ -198,17 +193,14 @@ def daf(
     >>> bc.daf(beam, car, [50 / 3.6, 110 / 3.6], recovery="li2006").round(4)
     array([1.0551, 1.1302])
     """
-    c = _checks.speeds(speeds)
-    crossing = make_crossing(beam, vehicle, effect, section, recovery)
-    require_factor(crossing)
-    run = prepare(crossing, profile, start)
-    judge_crossing(crossing, c, profile)
-    device = None
-    if damper is not None:
-        bare, device = _fast(vehicle, damper, method)
-        judge_range(bare, device)
-        crossing, device = device.resolved(crossing)
-    return _peaks(run._replace(crossing=crossing), c, device, method, progress)
+    c, crossings = _checks.speeds(speeds), crossings_of(effect, beam, vehicle, section, recovery)
+    for crossing in crossings:
+        require_factor(crossing)
+    run, devices = prepare(crossings[0], profile, start), fitted(damper, vehicle, method)
+    judge_crossing(crossings[0], c, profile)
+    judge_range(vehicle, *devices)
+    found = _peaks(run, crossings, c, devices, method, progress)
+    return found if isinstance(effect, list | tuple) else found[0]
 
 
 @on_one_thread
@@ -221,7 +213,7 @@ def peak_effect(
     start: float = 0.0,
     section: float = 0.5,
     recovery: str = "exact",
-    effect: Effect | str = "moment",
+    effect: Effect | str | Sequence[Effect | str] = "moment",
     method: str = "propagator",
     damper: Damper | Strategy | None = None,
     progress: bool = True,
@@ -232,12 +224,12 @@ def peak_effect(
     ----------
     beam, vehicle, speeds, profile, start, section, recovery, method, damper, progress
         See `daf`.
-    effect : Moment, Deflection, TireForce, BodyAcceleration or str, optional
+    effect : Moment, Deflection, TireForce, BodyAcceleration or str, or a list, optional
         What the peak is of; 'acceleration' is that of the first coordinate of the vehicle.
 
     Returns
     -------
-    ndarray, shape (n_speeds,)
+    ndarray, shape (n_speeds,) or (n_effects, n_speeds)
         In N m, m, N or m/s^2.
 
     Raises
@@ -259,16 +251,13 @@ def peak_effect(
     >>> bc.peak_effect(beam, car, 30.0, effect=bc.Deflection(sense="smallest")).round(5)
     array([-5.e-05])
     """
-    c = _checks.speeds(speeds)
-    crossing = make_crossing(beam, vehicle, effect, section, recovery)
-    run = prepare(crossing, profile, start)
-    judge_crossing(crossing, c, profile)
-    unit, device = crossing.static_peak or 1.0, None
-    if damper is not None:
-        bare, device = _fast(vehicle, damper, method)
-        judge_range(bare, device)
-        crossing, device = device.resolved(crossing)
-    return unit * _peaks(run._replace(crossing=crossing), c, device, method, progress)
+    c, crossings = _checks.speeds(speeds), crossings_of(effect, beam, vehicle, section, recovery)
+    run, devices = prepare(crossings[0], profile, start), fitted(damper, vehicle, method)
+    judge_crossing(crossings[0], c, profile)
+    judge_range(vehicle, *devices)
+    found = _peaks(run, crossings, c, devices, method, progress)
+    found *= np.array([[crossing.static_peak or 1.0] for crossing in crossings])
+    return found if isinstance(effect, list | tuple) else found[0]
 
 
 @on_one_thread
@@ -362,38 +351,48 @@ def ramp_surface(
     grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every)
     judge_crossing(crossing, c)
     require_surface(crossing, c, grid.approach, grid.length, method)
-    device = None
-    if damper is not None:
-        bare, device = _fast(vehicle, damper, method)
-        judge_range(bare, device)
-        crossing, device = device.resolved(crossing)
-    if device is not None:
-        from bridgectl.dampers.loop.damped import damped_surface
+    devices = fitted(damper, vehicle, method)
+    judge_range(vehicle, *devices)
+    for given in devices:
+        crossing, device = given.resolved(crossing)
+        if device is not None:
+            from bridgectl.dampers.loop.damped import damped_surface
 
-        return damped_surface(crossing, device, c, grid)
+            return damped_surface(crossing, device, c, grid)
     return linear_surface(crossing, c, grid, method, progress)
 
 
-def _fast(
-    vehicle: Vehicle | QuarterCar, damper: Damper | Strategy, method: str
-) -> tuple[QuarterCar, Damper]:
-    """Check that a damper goes with the route and the vehicle, which is without its own then."""
+def fitted(
+    damper: Damper | Strategy | None, vehicle: Vehicle | QuarterCar, method: str = "propagator"
+) -> list[Damper]:
+    """The damper, if there is one, checked to go with the route and the vehicle."""
+    if damper is None:
+        return []
     from bridgectl.dampers.actuator import as_damper, bare_vehicle
 
     if method != "propagator":
         raise ValueError(f"method must be 'propagator' with a damper, got {method!r}: leave it out")
-    device = as_damper(damper)
-    return bare_vehicle(vehicle), device
+    device, _ = as_damper(damper), bare_vehicle(vehicle)
+    return [device]
 
 
 def _peaks(
-    run: Run, speeds: FloatArray, device: Damper | None, method: str, progress: bool
+    run: Run,
+    crossings: list[Crossing],
+    speeds: FloatArray,
+    devices: list[Damper],
+    method: str,
+    progress: bool,
 ) -> FloatArray:
     """Peaks over their static ones, if they have any, by the engine that they need."""
     _checks.flag("progress", progress)
     _checks.choice("method", method, METHODS)
-    if device is None:
-        return linear_dafs(run, speeds, method, progress)
-    from bridgectl.dampers.loop.damped import damped_dafs
+    for given in devices:
+        resolved = [given.resolved(crossing) for crossing in crossings]
+        crossings, device = [crossing for crossing, _ in resolved], resolved[0][1]
+        runs = [run._replace(crossing=crossing) for crossing in crossings]
+        if device is not None:
+            from bridgectl.dampers.loop.damped import damped_dafs
 
-    return damped_dafs(run, device, speeds)
+            return np.array([damped_dafs(each, device, speeds) for each in runs])
+    return dafs_of_effects(run, crossings, speeds, method, progress)

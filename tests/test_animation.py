@@ -157,3 +157,35 @@ def test_a_vehicle_of_two_axles_is_refused(bridge, truck):
         TypeError, match=r"must be a QuarterCar, got Vehicle: no other is drawn, type"
     ):
         crossing_animation(bridge, bc.convoy([truck, truck], [0, 5]), SPEED)
+
+
+def test_several_spans_are_drawn_with_their_supports_and_a_moment_over_the_pier(truck):
+    bridge = bc.Bridge([20, 30], 18358, 4.865e10)
+    pier = bc.Moment(20.0, sense="smallest")
+    animation = crossing_animation(bridge, truck, SPEED, effect=pier, frames=41)
+
+    def look(parts, figure):
+        scene = figure.axes[0]
+        marks = [line.get_xdata()[0] for line in scene.lines if line.get_ls() == "None"]
+        static = parts["static"].get_ydata()
+        return (
+            scene.get_title(loc="left"),
+            marks[:3],
+            static.max(),
+            parts["moment"].get_ydata().max(),
+        )
+
+    title, marks, static, moment = watch(animation, look)[-1]
+    assert "a bridge of 20 + 30 m" in title
+    assert marks == [0, 20, 50]
+    assert static == pytest.approx(1, abs=0.01)  # of some points
+    assert moment == pytest.approx(bc.daf(bridge, truck, SPEED, effect=pier)[0], abs=0.005)
+
+
+@pytest.mark.parametrize(
+    ("effect", "message"),
+    [(bc.Deflection(), "effect must be a Moment"), (None, "must have a static peak")],
+)
+def test_what_has_no_moment_to_draw_is_told(truck, effect, message):
+    with pytest.raises((TypeError, ValueError), match=message):
+        crossing_animation(bc.Bridge([25, 25], 18358, 4.865e10), truck, SPEED, effect=effect)

@@ -334,7 +334,7 @@ def things(bridge, truck):
         bc.prediction_matrices(bridge, truck, 25.0), bc.Moment(10.0), bc.Deflection(10.0),
         bc.TireForce(), bc.BodyAcceleration(), bc.Motion(25.0), bc.Shear(10.0), bc.Reaction(10.0),
         bc.Stress(10.0, section_modulus=1.0), bc.BridgeAcceleration(10.0),
-        bc.Bridge([25, 20], 18358, 4.865e10),
+        bc.Bridge([25, 20], 18358, 4.865e10), bc.envelope(bridge, truck, 25.0, at=[5.0]),
         bc.ModalBridge([0, 10, 25], np.eye(3), [4.0, 16.0, 36.0], 2e5),
         dampers.skyhook(1e3, 30e3), hook, dampers.preset(1e3, 30e3), dampers.Damper(hook, lag=0.01),
         dampers.costate(bridge, truck, 25.0), peak_value(bridge, truck, 25.0, 1e3, 30e3),

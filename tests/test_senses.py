@@ -113,7 +113,7 @@ def test_the_least_tire_force_is_a_factor_below_one(bridge, truck, road):
     assert np.all((least > 0) & (least < 1) & (most > 1))
 
 
-@pytest.mark.parametrize("effect", SMALLEST, ids=repr)
+@pytest.mark.parametrize("effect", [LEAST, bc.BodyAcceleration(sense="smallest")], ids=repr)
 def test_smallest_values_superpose(bridge, truck, road, effect):
     surface = bc.ramp_surface(bridge, truck, SPEEDS, approach=20, effect=effect)
     simulated = bc.peak_effect(bridge, truck, SPEEDS, road, start=-20, effect=effect)

@@ -126,6 +126,17 @@ DAMPER = [
 ]
 PROGRESS = [("no", "progress must be True or False"), (None, "progress must be True or False")]
 
+NAMED = [
+    (bc.Moment(5.0), "effects must be effects by their names.*type for example"),
+    ([bc.Moment(5.0)], "effects must be effects by their names.*type for example"),
+    ({"at 5 m": bc.Moment(5.0)}, "effects must have words for names.*got 'at 5 m'"),
+    ({"static_pier": bc.Moment(5.0)}, "not beginning with 'static_'"),
+    ({5: bc.Moment(5.0)}, "effects must have words for names.*got 5"),
+    ({"moment": bc.Moment(5.0)}, "'moment' is an output already: type 'moment_2'"),
+    ({"pier": "momentum"}, "effect must be one of 'moment'"),
+    ({"pier": bc.Moment(30.0)}, "at must be a place on the bridge"),
+]
+
 SLIPS = {
     "Beam": {
         "length": slips_of_numbers(
@@ -198,6 +209,7 @@ SLIPS = {
     "crossing_response": MODEL | {
         "speed": slips_of_numbers("speed", (80, "speed of 80 m/s .*type 80 / 3.6")),
         "profile": PROFILE, "start": START, "method": METHOD, "damper": DAMPER, "effect": EFFECT,
+        "effects": NAMED, "static": [("yes", "static must be True or False")],
         "tail": slips_of_numbers("tail", least="0 or more"),
         "timepts": [
             ([0, 100], "timepts must lie within the crossing"),

@@ -63,8 +63,38 @@ class AtSection(Effect):
         """
         return 0.5 if self.at is None else self.at / bridge.length
 
+    def influence_line(self, bridge: BridgeModel, x: ArrayLike) -> FloatArray:
+        """Static effect of a force of 1 N at places, zero off the bridge.
+
+        Parameters
+        ----------
+        bridge
+            See `bridgectl.Crossing`.
+        x : array_like
+            Places of the force [m], any shape.
+
+        Returns
+        -------
+        ndarray
+            Effect per force [N m / N], [m / N], ..., the shape of `x`. Deflection is of the modes.
+
+        Examples
+        --------
+        >>> import bridgectl as bc
+        >>> bc.Moment(5.0).influence_line(bc.li2006.beam(), [5.0, 15.0])
+        array([4., 2.])
+        """
+        return self._line(bridge, np.asarray(x, dtype=np.float64))
+
+    @abstractmethod
+    def _line(self, bridge: BridgeModel, x: FloatArray) -> FloatArray:
+        """See `influence_line`."""
+
     def _kinks(self, bridge: BridgeModel) -> FloatArray:
         return bridge.kinks(self.section(bridge))
+
+    def _static(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> FloatArray:
+        return np.asarray(self._line(bridge, tires) @ vehicle.static_loads)
 
     def _static_places(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
         """Places of the tires as the vehicle creeps across, shape (n, n_tires).
@@ -125,10 +155,8 @@ class Moment(AtSection):
         per_force, of_beam = recover_moment(bridge, self.section(bridge), self.recovery, tires)
         return EffectRows(per_force, _of_states(vehicle, of_beam), 0.0)
 
-    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        section = self.section(bridge)
-        line = bridge.influence_line(self._static_places(bridge, vehicle), section)
-        return np.asarray(line @ vehicle.static_loads)
+    def _line(self, bridge: BridgeModel, x: FloatArray) -> FloatArray:
+        return bridge.influence_line(x, self.section(bridge))
 
 
 @dataclass(frozen=True, repr=False)
@@ -163,15 +191,15 @@ class Deflection(AtSection):
             np.zeros_like(tires), _of_states(vehicle, np.kron(shape, [1.0, 0.0])), 0.0
         )
 
-    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        section = self.section(bridge)
-        places = self._static_places(bridge, vehicle)
-        here, shapes = bridge.mode_shapes(section * bridge.length), bridge.mode_shapes(places)
+    def _line(self, bridge: BridgeModel, x: FloatArray) -> FloatArray:
+        shapes, here = (
+            bridge.mode_shapes(x),
+            bridge.mode_shapes(self.section(bridge) * bridge.length),
+        )
         if np.abs(here).max() < NO_FACTOR * np.abs(shapes).max():  # a rigid support, but round-off
-            return np.zeros(1)
+            return np.zeros_like(x)
         # Deflection at the section per force on the crest of each mode.
-        flexibility = here / (bridge.modal_masses * bridge.omega**2)
-        return np.asarray((shapes @ flexibility) @ vehicle.static_loads)
+        return np.asarray(shapes @ (here / (bridge.modal_masses * bridge.omega**2)))
 
 
 @dataclass(frozen=True, repr=False)
@@ -196,9 +224,10 @@ class _Told(AtSection):
         jumps = self._jumps(bridge)
         return np.concatenate([super()._kinks(bridge), jumps - JUMP, jumps + JUMP])
 
-    def _line(self, bridge: TellsEffects, x: ArrayLike) -> FloatArray:
+    def _line(self, bridge: BridgeModel, x: FloatArray) -> FloatArray:
         """Influence line, straight from one side of a jump to the other."""
-        section, x = self.section(bridge), np.asarray(x, dtype=np.float64)
+        assert isinstance(bridge, TellsEffects)
+        section = self.section(bridge)
         line = bridge.influence_line(x, section, self.quantity)
         for jump in self._jumps(bridge):
             here = np.abs(x - jump) < JUMP
@@ -213,11 +242,6 @@ class _Told(AtSection):
         of_modes = bridge.modal_effects(self.section(bridge), self.quantity)
         per_force, of_beam = recover(bridge, self._line(bridge, tires), of_modes, tires)
         return EffectRows(per_force, _of_states(vehicle, of_beam), 0.0)
-
-    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        assert isinstance(bridge, TellsEffects)
-        places = self._static_places(bridge, vehicle)
-        return np.asarray(self._line(bridge, places) @ vehicle.static_loads)
 
 
 @dataclass(frozen=True, repr=False)
@@ -326,8 +350,8 @@ class Stress(Moment):
     def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
         return super()._rows(bridge, vehicle, tires).scaled(1 / self.section_modulus)
 
-    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        return super()._static_values(bridge, vehicle) / self.section_modulus
+    def _line(self, bridge: BridgeModel, x: FloatArray) -> FloatArray:
+        return super()._line(bridge, x) / self.section_modulus
 
 
 @dataclass(frozen=True, repr=False)
@@ -364,6 +388,9 @@ class BridgeAcceleration(AtSection):
         rates = [-shape * bridge.omega**2, -2 * shape * bridge.damping_ratios * bridge.omega]
         per_force = bridge.mode_shapes(tires) @ (shape / bridge.modal_masses)
         return EffectRows(per_force, _of_states(vehicle, np.column_stack(rates).ravel()), 0.0)
+
+    def _line(self, bridge: BridgeModel, x: FloatArray) -> FloatArray:
+        return np.zeros_like(x)
 
 
 def _of_states(vehicle: Vehicle, of_beam: FloatArray) -> FloatArray:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import control
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_load
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.bridge_effects import AtSection, Deflection, Moment
 from bridgectl.model.effect import SENSES, Effect, EffectRows
-from bridgectl.model.effects import as_effect
+from bridgectl.model.effects import STATIC, NamedEffects, as_effect, named_effects
 from bridgectl.model.equations import Equations
 from bridgectl.model.motion import Motion, as_motion
 from bridgectl.model.quarter_car import QuarterCar
@@ -42,6 +43,10 @@ class Crossing(Equations):
         The vehicle.
     effect : Moment, Deflection, TireForce or BodyAcceleration, optional
         What is looked at: the moment halfway if omitted.
+    effects : mapping of str to effect, optional
+        Further outputs by name: see `crossing_system`.
+    static : bool, optional
+        Whether what static loads give is beside the outputs.
 
     Raises
     ------
@@ -68,14 +73,24 @@ class Crossing(Equations):
     """
 
     effect: Effect = field(default_factory=Moment)
+    effects: NamedEffects = ()
+    static: bool = False
 
     def __post_init__(self) -> None:
         _require_pair(self.beam, self.vehicle)
         object.__setattr__(self, "effect", as_effect(self.effect, self.beam, self.linear))
+        effects = named_effects(self.effects, self._usual_labels, self.beam, self.linear)
+        object.__setattr__(self, "effects", effects)
+        _checks.flag("static", self.static)
         judge_load(self)
 
     def __repr__(self) -> str:
-        return f"Crossing({self.beam!r}, {self.vehicle!r}, {self.effect!r})"
+        further = f", effects={self._named}" if self.effects else ""
+        return f"Crossing({self.beam!r}, {self.vehicle!r}, {self.effect!r}{further})"
+
+    @property
+    def _named(self) -> dict[str, Effect]:
+        return cast(dict[str, Effect], dict(self.effects))
 
     @property
     def section(self) -> float:
@@ -99,6 +114,7 @@ class Crossing(Equations):
     def kinks(self) -> FloatArray:
         """Places [m] where mode shapes are not smooth, or what a tire there does to the effect."""
         places = [self.effect.kinks(self.beam), self.beam.kinks(self.section)]
+        places += [effect.kinks(self.beam) for effect in self._named.values()]
         return np.unique(np.concatenate(places))
 
     @cached_property
@@ -159,6 +175,12 @@ class Crossing(Equations):
     @cached_property
     def output_labels(self) -> list[str]:
         """Names of the outputs, in order: see `crossing_system`."""
+        further = [*self._named]
+        static = ["moment", "deflection", *further] if self.static else []
+        return [*self._usual_labels, *further, *(STATIC + name for name in static)]
+
+    @cached_property
+    def _usual_labels(self) -> list[str]:
         vehicle = self.linear
         return [
             "moment",
@@ -189,7 +211,13 @@ class Crossing(Equations):
         """
         vehicle, n = self.linear, self.n_vehicle
         read = self.beam, vehicle, self.tire_positions(x)
-        moment, peak = self._moment, self._moment.static_peak(self.beam, vehicle)
+        moment, deflection = self._moment, Deflection(self._moment.at)
+        peak = moment.static_peak(self.beam, vehicle) or 1.0
+        further, static = self._named.values(), []
+        if self.static:
+            each = moment, deflection, *further
+            static = [effect.static_values(self.beam, vehicle, x) for effect in each]
+            static[0] /= peak
         rates = (
             vehicle.state_matrix @ states[:n]
             + vehicle.tire_input @ (forces - vehicle.static_loads[:, np.newaxis])
@@ -197,13 +225,15 @@ class Crossing(Equations):
         )
         return np.vstack(
             [
-                moment.rows(*read).scaled(1 / (peak or 1.0)).values(states.T, forces.T),
-                Deflection(moment.at).rows(*read).values(states.T, forces.T),
+                moment.rows(*read).scaled(1 / peak).values(states.T, forces.T),
+                deflection.history(*read, states, forces),
                 forces,
                 states[:n],
                 vehicle.velocities @ rates,
                 vehicle.damper_map @ vehicle.displacements @ states[:n],
                 vehicle.damper_map @ vehicle.velocities @ states[:n],
+                *(effect.history(*read, states, forces, damper) for effect in further),
+                *static,
             ]
         )
 
@@ -250,6 +280,8 @@ def crossing_system(
     section: float = 0.5,
     recovery: str = "exact",
     effect: Effect | str = "moment",
+    effects: NamedEffects = (),
+    static: bool = False,
     name: str = "crossing",
 ) -> control.NonlinearIOSystem:
     """Return the crossing of a vehicle as a control system.
@@ -268,6 +300,11 @@ def crossing_system(
         Speed c [m/s], or a motion that is not uniform.
     section, recovery, effect
         Where 'moment' and 'deflection' are read, and how: see `bridgectl.daf`.
+    effects : mapping of str to effect, optional
+        Further outputs by name, each in its effect's unit, as ``{"pier": Moment(25.0)}``.
+    static : bool, optional
+        Whether there are outputs 'static_moment', 'static_deflection' and 'static_' with each name
+        of `effects` too: what the weight of the vehicle alone would give at its place.
     name : str, optional
         Name of the system.
 
@@ -280,9 +317,9 @@ def crossing_system(
         'deflection' [m] at the section, 'tire_force' [N], the vehicle's states
         ('y_s', 'y_s_dot', 'y_t', 'y_t_dot' for a quarter-car), accelerations ('y_s_ddot',
         'y_t_ddot'), 'suspension_travel' [m] and 'suspension_velocity' [m/s] of each
-        controlled damper. Several tires or dampers are numbered: 'road_1', 'road_2', ...
-        The static loads are inside: the zero state is the vehicle in equilibrium before an
-        unloaded bridge.
+        controlled damper, then `effects` and static ones. Several tires or dampers are numbered:
+        'road_1', 'road_2', ... The static loads are inside: the zero state is the vehicle in
+        equilibrium before an unloaded bridge.
 
     Raises
     ------
@@ -309,7 +346,8 @@ def crossing_system(
     >>> sorted({round(float(abs(pole)) / 6.2832, 2) for pole in mid_span.poles()})
     [0.46, 4.08, 6.91, 16.37, 36.83]
     """
-    crossing, motion = make_crossing(beam, vehicle, effect, section, recovery), as_motion(speed)
+    motion = as_motion(speed)
+    crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
     judge_crossing(crossing, motion.speed)
     return crossing.system(motion, name)
 
@@ -320,10 +358,13 @@ def make_crossing(
     effect: Effect | str = "moment",
     section: float = 0.5,
     recovery: str = "exact",
+    effects: NamedEffects = (),
+    static: bool = False,
 ) -> Crossing:
     """Return the crossing of an effect, or of its name with a section and a recovery."""
     _require_pair(beam, vehicle)
-    return Crossing(beam, vehicle, as_effect(effect, beam, vehicle.linear, section, recovery))
+    asked = as_effect(effect, beam, vehicle.linear, section, recovery)
+    return Crossing(beam, vehicle, asked, effects, static)
 
 
 def require_factor(crossing: Crossing, *, unless_none: bool = False) -> None:
@@ -331,10 +372,11 @@ def require_factor(crossing: Crossing, *, unless_none: bool = False) -> None:
     if crossing.static_peak == 0 and (crossing.effect.has_static or not unless_none):
         effect = crossing.effect
         other = next(sense for sense in SENSES if sense != effect.sense)
+        instead = f"another place or sense={other!r}, or " if effect.has_static else ""
         raise ValueError(
             f"effect must have a static peak for a factor, and the {effect.sense} static "
-            f"{effect.label} of {effect!r} is 0 {effect.unit}: type another place or "
-            f"sense={other!r}, or peak_effect(...) for its peak"
+            f"{effect.label} of {effect!r} is 0 {effect.unit}: type {instead}peak_effect(...) for "
+            "its peak"
         )
 
 

@@ -7,10 +7,12 @@ from dataclasses import dataclass, field, fields
 from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl.model.bridge import BridgeModel
+from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 
 NO_FACTOR = 1e-9
@@ -91,6 +93,34 @@ class Effect(ABC):
         """
         return self._rows(bridge, vehicle, tires)
 
+    def history(
+        self,
+        bridge: BridgeModel,
+        vehicle: Vehicle,
+        tires: FloatArray,
+        states: FloatArray,
+        forces: FloatArray,
+        damper: FloatArray | float = 0.0,
+    ) -> FloatArray:
+        """Return the effect at m places of the vehicle.
+
+        Parameters
+        ----------
+        bridge, vehicle
+            See `bridgectl.Crossing`.
+        tires : ndarray, shape (m, n_tires)
+            Positions of the tires [m].
+        states, forces, damper : ndarray, shapes (n, m), (n_tires, m), (n_dampers, m)
+            States [m, m/s], tire forces [N] and forces of controlled dampers [N].
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            In the effect's unit [N m, m, N, ...].
+        """
+        values = self._rows(bridge, vehicle, tires).values(states.T, forces.T)
+        return values + np.dot(self._per_damper(vehicle), damper) if np.any(damper) else values
+
     def kinks(self, bridge: BridgeModel) -> FloatArray:
         """Return places where the shapes, or what a tire there does to the effect, are not smooth.
 
@@ -105,6 +135,35 @@ class Effect(ABC):
             Places [m].
         """
         return self._kinks(bridge)
+
+    def static_values(
+        self, bridge: BridgeModel, vehicle: Vehicle | QuarterCar, x: ArrayLike
+    ) -> FloatArray:
+        """Effect of the vehicle's weight alone: what a crossing at a crawl would give.
+
+        Parameters
+        ----------
+        bridge, vehicle
+            See `bridgectl.Crossing`.
+        x : array_like
+            Positions of the reference tire [m], any shape.
+
+        Returns
+        -------
+        ndarray
+            In the effect's unit [N m, m, N, ...], the shape of `x`; 0 of an acceleration.
+
+        Examples
+        --------
+        >>> import bridgectl as bc
+        >>> hogging = bc.Moment(25.0, sense="smallest")
+        >>> bridge = bc.Bridge([25, 25], 18358, 4.865e10)
+        >>> hogging.static_values(bridge, bc.li2006.car(), [12.5, 25.0]).round(-2) + 0.0
+        array([-229900.,       0.])
+        """
+        linear, places = vehicle.linear, np.asarray(x, dtype=np.float64)
+        effect = self._on(bridge, linear)
+        return effect._static(bridge, linear, places[..., np.newaxis] - linear.tire_offsets)
 
     def static_peak(self, bridge: BridgeModel, vehicle: Vehicle) -> float:
         """Largest or smallest value as the vehicle creeps across; 0 where there is none.
@@ -121,7 +180,7 @@ class Effect(ABC):
         """
         if not self.has_static:
             return 0.0
-        values = self._static_values(bridge, vehicle)
+        values = self._static(bridge, vehicle, self._static_places(bridge, vehicle))
         peak = float(values.max() if self.sense == "largest" else values.min())
         return peak if abs(peak) > NO_FACTOR * np.abs(values).max() else 0.0
 
@@ -135,6 +194,14 @@ class Effect(ABC):
     def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
         """See `rows`."""
 
-    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        """Values as the vehicle creeps across, of what static loads give any."""
-        raise NotImplementedError
+    def _static(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> FloatArray:
+        """Effect of the static loads with the tires at some places, (...) for (..., n_tires)."""
+        return np.zeros(tires.shape[:-1])
+
+    def _static_places(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
+        """Places of the tires, (n, n_tires), among which the static peak is."""
+        return -vehicle.tire_offsets[np.newaxis]
+
+    def _per_damper(self, vehicle: Vehicle) -> FloatArray:
+        """Gain on the forces of controlled dampers, shape (n_dampers,)."""
+        return np.zeros(len(vehicle.damper_map))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TypeAlias
 
 from bridgectl import _checks
 from bridgectl.model.bridge import BridgeModel
@@ -11,6 +13,12 @@ from bridgectl.model.effect import Effect
 from bridgectl.model.recovery import RECOVERIES
 from bridgectl.model.vehicle import Vehicle, signals
 from bridgectl.model.vehicle_effects import BodyAcceleration, TireForce
+
+NamedEffects: TypeAlias = Mapping[str, Effect | str] | tuple[tuple[str, Effect], ...]
+"""Further effects of a crossing by their names."""
+
+STATIC = "static_"
+"""What the name of an output begins with that static loads give."""
 
 
 def as_effect(
@@ -50,3 +58,27 @@ def as_effect(
             f"{effect!r}; speeds go with daf(...), crossing_system(...) and others"
         )
     return named[_checks.choice("effect", effect, tuple(named))]
+
+
+def named_effects(
+    effects: NamedEffects, taken: Sequence[str], bridge: BridgeModel, vehicle: Vehicle
+) -> tuple[tuple[str, Effect], ...]:
+    """Further effects for a bridge and a vehicle; their names are words, and none that is taken."""
+    if not isinstance(effects, Mapping | tuple):
+        raise TypeError(
+            f"effects must be effects by their names, got {effects!r:.60}: type for example "
+            "effects={'pier': bridgectl.Moment(25.0)}"
+        )
+    named = dict(effects)
+    for name in named:
+        if not (isinstance(name, str) and name.isidentifier()) or name.startswith(STATIC):
+            raise ValueError(
+                f"effects must have words for names, not beginning with {STATIC!r}, got {name!r}: "
+                "type for example effects={'pier': bridgectl.Moment(25.0)}"
+            )
+        if name in taken:
+            raise ValueError(
+                f"effects must have names of their own, and {name!r} is an output already: type "
+                f"{name + '_2'!r}"
+            )
+    return tuple((name, as_effect(effect, bridge, vehicle)) for name, effect in named.items())

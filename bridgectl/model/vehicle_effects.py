@@ -59,8 +59,8 @@ class TireForce(Effect):
         per_force[..., self.tire - 1] = 1.0
         return EffectRows(per_force, np.zeros(2 * (vehicle.n_coordinates + bridge.n_modes)), 0.0)
 
-    def _static_values(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
-        return vehicle.static_loads[self.tire - 1 : self.tire]
+    def _static(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> FloatArray:
+        return np.full(tires.shape[:-1], vehicle.static_loads[self.tire - 1])
 
 
 @dataclass(frozen=True, repr=False)
@@ -108,3 +108,6 @@ class BodyAcceleration(Effect):
         constant = -float(per_force @ vehicle.static_loads)
         per_state = np.append(own, np.zeros(2 * bridge.n_modes))
         return EffectRows(np.zeros_like(tires) + per_force, per_state, constant)
+
+    def _per_damper(self, vehicle: Vehicle) -> FloatArray:
+        return np.asarray(vehicle.velocities[self.coordinate - 1] @ vehicle.damper_input)

@@ -9,12 +9,12 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.markers import CARETUP
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 
 from bridgectl._checks import FloatArray
 from bridgectl._units import to_kmh
 from bridgectl.plots import style
+from bridgectl.plots.bridge import supports_of
 from bridgectl.plots.shown import BeamShown, RoadShown
 
 BEFORE, AFTER = 0.3, 0.26
@@ -82,6 +82,7 @@ class _Scene:
 
     def __init__(self, motion: DrawnCrossing) -> None:
         self.motion, self.span, road = motion, motion.beam.length, motion.road
+        self.supports = list(supports_of(motion.beam))
         span = self.span
         self.window = (-BEFORE * span, (1 + AFTER) * span)
         self.unit = self.window[1] - self.window[0]
@@ -94,7 +95,7 @@ class _Scene:
         self.rise = rise - np.interp(0.0, self.x, rise)
         self.on = (self.x >= 0) & (self.x <= span)
         self.shapes = motion.beam.mode_shapes(self.x)
-        deflections = np.abs(motion.modes @ motion.beam.mode_shapes(span / 2))
+        deflections = np.abs(motion.modes @ self.shapes[self.on].T)
         self.by_bridge = _round_factor(DEFLECTED * self.unit / float(deflections.max()))
         ride = max(float(np.abs(part).max()) for part in (self.rise, motion.squeeze, motion.travel))
         self.by_ride = _round_factor(RIDING * self.unit / max(ride, 1e-3))
@@ -115,8 +116,9 @@ class _Scene:
     def name(self, slower: float) -> None:
         """Write the title, and the scales of what is drawn."""
         shown = f"{slower:.2g} times slower" if slower >= 1 else f"{1 / slower:.2g} times faster"
-        kmh = to_kmh(self.motion.speed)
-        self.scene.set_title(f"{kmh:.4g} km/h over a bridge of {self.span:g} m, {shown} than it is")
+        kmh, places = to_kmh(self.motion.speed), [place for place, _ in self.supports]
+        spans = " + ".join(f"{span:g}" for span in np.diff(places)) or f"{self.span:g}"
+        self.scene.set_title(f"{kmh:.4g} km/h over a bridge of {spans} m, {shown} than it is")
         self.scene.text(
             0.995, 0.97,
             f"drawn taller: deflection of the bridge {self.by_bridge:g} times,\n"
@@ -167,9 +169,9 @@ class _Scene:
         for side in (self.x <= 0, self.x >= span):
             ax.fill_between(self.x[side], heights[side], low, color=style.GROUND, lw=0)
         foot = self.under - 0.014 * unit
-        ax.plot(
-            [0, span], [foot] * 2, ls="none", marker=CARETUP, ms=11, color=style.DECK, clip_on=False
-        )
+        for place, marker in self.supports:
+            look: Any = {"marker": marker, "ms": 11, "color": style.DECK, "clip_on": False}
+            ax.plot([place], [foot], ls="none", **look)
         self.deck = Polygon(np.zeros((3, 2)), color=style.DECK, lw=0, zorder=1.5)
         self.pavement = Polygon(np.zeros((3, 2)), color=style.PAVEMENT, lw=0, zorder=1.4)
         for part in (self.deck, self.pavement):

@@ -11,8 +11,11 @@ RoadShown: TypeAlias = Any
 PsdShown: TypeAlias = Any
 LineShown: TypeAlias = Any
 
-# Beam, RampSurface, extremes.pairs.EqualRoughnessPair, scoring.ramp_heights.RampHeights.
+# Beam, Moment, linear.envelope.Envelope, RampSurface, extremes.pairs.EqualRoughnessPair,
+# scoring.ramp_heights.RampHeights.
 BeamShown: TypeAlias = Any
+EffectShown: TypeAlias = Any
+EnvelopeShown: TypeAlias = Any
 SurfaceShown: TypeAlias = Any
 PairShown: TypeAlias = Any
 RampHeightsShown: TypeAlias = Any

@@ -1,0 +1,210 @@
+"""States and tire forces at all samples of a crossing, of which any number of effects is read.
+
+`bridgectl.linear.cells` carries one effect along; here are the states themselves at its samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE
+from bridgectl._progress import track
+from bridgectl.linear.cells import (
+    _FROM_STAGES,
+    GAUSS,
+    N_STAGES,
+    SAMPLES,
+    bridge_entry,
+    hold_responses,
+    mode_matrices,
+    sample_positions,
+)
+from bridgectl.linear.estimates import require_crossing
+from bridgectl.linear.lift_off import fly, warn_of_flights
+from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.response import linear_dafs
+from bridgectl.linear.runs import (
+    Run,
+    Stretch,
+    _node_forces,
+    first_flight,
+    lifts_off,
+    propagate,
+    simulate_reference,
+    speed_batches,
+)
+from bridgectl.model.bridge import BridgeModel
+from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.effect import Effect
+from bridgectl.model.motion import Motion
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
+
+_AT_STAGES = np.searchsorted(SAMPLES, GAUSS)
+"""Which of the samples the stages are."""
+
+
+class Samples(NamedTuple):
+    """A crossing of the bridge at the `sample_positions` of its cells."""
+
+    nodes: FloatArray
+    states: FloatArray
+    """Shape (n, m)."""
+    forces: FloatArray
+    """Tire forces, shape (n_tires, m)."""
+    flight: float | None = None
+    """Where a tire first leaves the road [m]."""
+
+    def histories(self, crossing: Crossing, effects: Sequence[Effect]) -> FloatArray:
+        """Histories of effects in their units, shape (m, n_effects)."""
+        tires = crossing.tire_positions(sample_positions(self.nodes))
+        read = crossing.beam, crossing.linear, tires, self.states, self.forces
+        return np.stack([effect.history(*read) for effect in effects], axis=1)
+
+
+def crossings_of(
+    effect: Effect | str | Sequence[Effect | str],
+    beam: BridgeModel,
+    vehicle: Vehicle | QuarterCar,
+    section: float,
+    recovery: str,
+) -> list[Crossing]:
+    """Return the crossing of an effect, or of each of a list."""
+    several = isinstance(effect, list | tuple)
+    effects = cast(list[Effect | str], effect if several else [effect])
+    if not effects:
+        raise ValueError("effect must be one effect or more, got none: type effect='moment'")
+    return [make_crossing(beam, vehicle, each, section, recovery) for each in effects]
+
+
+def dafs_of_effects(
+    run: Run,
+    crossings: Sequence[Crossing],
+    speeds: FloatArray,
+    method: str = "propagator",
+    progress: bool = True,
+) -> FloatArray:
+    """Return `linear_dafs` of several effects, each told by a crossing, from one propagation.
+
+    Shape (n_effects, n_speeds). Nodes of the cells are those of all effects.
+    """
+    if len(crossings) == 1:
+        return linear_dafs(run._replace(crossing=crossings[0]), speeds, method, progress)[
+            np.newaxis
+        ]
+    effects = [crossing.effect for crossing in crossings]
+    run = run._replace(crossing=with_nodes_of(crossings[0], effects))
+    require_crossing(run, speeds)
+    scales = np.array([crossing.scale for crossing in crossings])
+    orientations = np.array([crossing.orientation for crossing in crossings])
+    result, flights = np.empty((len(effects), speeds.size)), {}
+    for i, found in sampled(run, speeds, method, progress):
+        peaks = find_peaks(found.histories(run.crossing, effects) / scales)
+        result[:, i] = orientations * peaks.values
+        if found.flight is not None:
+            flights[float(speeds[i])] = found.flight
+    warn_of_flights(flights, speeds.size)
+    return result
+
+
+def with_nodes_of(crossing: Crossing, effects: Sequence[Effect]) -> Crossing:
+    """Return a crossing whose cells end where any of some effects has a kink."""
+    named = {f"effect_{i}": effect for i, effect in enumerate(effects)}
+    return Crossing(crossing.beam, crossing.vehicle, effects[0], named)
+
+
+def sampled(
+    run: Run, speeds: FloatArray, method: str = "propagator", progress: bool = True
+) -> Iterator[tuple[int, Samples]]:
+    """Simulate the bridge at each speed, by `linear_dafs`' routes: its number, and the samples."""
+    linear = np.zeros(speeds.size, dtype=bool)
+    if method == "propagator":
+        batches = list(speed_batches(run, speeds))
+        for batch in track(batches, "Simulating crossings", len(batches), show=progress):
+            stretches = propagate(run, speeds[batch], run.nodes(speeds[batch].min()))
+            linear[batch] = ~lifts_off(run.crossing, stretches)
+            states, forces = bridge_samples(run.crossing, speeds[batch], stretches[-1])
+            for i in np.flatnonzero(linear[batch]):
+                nodes = stretches[-1].cells.nodes
+                yield int(batch.start + i), Samples(nodes, states[i].T, forces[i].T)
+    simulate = _flying if method == "propagator" else _reference
+    flying = np.flatnonzero(~linear)
+    for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
+        yield int(i), simulate(run, float(speeds[i]))
+
+
+def bridge_samples(
+    crossing: Crossing, speeds: FloatArray, bridge: Stretch
+) -> tuple[FloatArray, FloatArray]:
+    """States and tire forces at the samples of the bridge, (S, m, n) and (S, m, n_tires)."""
+    vehicle, n, nodes = crossing.linear, crossing.n_vehicle, bridge.cells.nodes
+    widths, kind = np.unique(np.round(np.diff(nodes), 10), return_inverse=True)
+    durations, points = widths / speeds[:, np.newaxis], SAMPLES[1:]
+    stages = bridge.stages.reshape(*bridge.stages.shape[:2], 2, N_STAGES, vehicle.n_tires)
+    forces, surface = stages[:, :, 0], stages[:, :, 1]
+    inner = np.empty((*stages.shape[:2], len(points), crossing.n_states))
+
+    on_tires = vehicle.state_matrix_on_tires()
+    free, held = (
+        response[:, kind]
+        for response in hold_responses(on_tires, vehicle.road_input, durations, points=points)
+    )
+    before = bridge.states[:, :-1]
+    inner[..., :n] = np.einsum("scpij,scj->scpi", free, before[..., :n])
+    inner[..., :n] += np.einsum("scpiqk,scqk->scpi", held, surface)
+
+    modes = mode_matrices(crossing, crossing.beam.n_modes)
+    free, held = (
+        response[:, kind] for response in hold_responses(*modes, durations, points=points)
+    )
+    stations = crossing.tire_shapes(sample_positions(nodes)[:-1].reshape(len(kind), -1))
+    per_mode = np.einsum("scqk,cqkj->scqj", forces, stations[:, _AT_STAGES])
+    states = before[..., n:].reshape(*before.shape[:2], -1, 2)
+    of_modes = np.einsum("scjpab,scjb->scpja", free, states)
+    of_modes += np.einsum("scjpaq,scqj->scpja", held[..., 0], per_mode)
+    inner[..., n:] = of_modes.reshape(*inner.shape[:3], -1)
+
+    at_nodes = _node_forces(crossing, bridge)
+    between = np.einsum("pq,scqk->scpk", _FROM_STAGES, forces)
+    return _interleaved(bridge.states, inner), _interleaved(at_nodes, between)
+
+
+def _interleaved(at_nodes: FloatArray, inner: FloatArray) -> FloatArray:
+    """Values at nodes (S, C + 1, k) with those at the samples between (S, C, p, k)."""
+    cells = np.concatenate([at_nodes[:, :-1, np.newaxis], inner], axis=2)
+    flat = cells.reshape(len(cells), -1, cells.shape[-1])
+    return np.concatenate([flat, at_nodes[:, -1:]], axis=1)
+
+
+def _flying(run: Run, speed: float) -> Samples:
+    """With the tires kept from pulling: once for the events, and once for all samples between."""
+    first = fly(run, speed, run.nodes(speed))
+    place = first_flight(first.nodes, first.forces)
+    flight = fly(run, speed, sample_positions(first.nodes))
+    return _on_bridge(first.nodes, flight.nodes, flight.states, flight.forces, place)
+
+
+def _reference(run: Run, speed: float) -> Samples:
+    """The same by the control library."""
+    nodes = run.nodes(speed)
+    positions = sample_positions(nodes)
+    states, forces = simulate_reference(run, Motion(speed), positions)
+    return _on_bridge(nodes, positions, states, forces, first_flight(positions, forces))
+
+
+def _on_bridge(
+    nodes: FloatArray,
+    positions: FloatArray,
+    states: FloatArray,
+    forces: FloatArray,
+    flight: float | None,
+) -> Samples:
+    """Samples of the bridge's cells out of what was simulated at these and other positions."""
+    nodes = nodes[bridge_entry(nodes) :]
+    keep: NDArray[np.intp] = np.searchsorted(positions, sample_positions(nodes) - SAME_PLACE)
+    return Samples(nodes, states[:, keep], forces[:, keep], flight)
