@@ -54,8 +54,8 @@ def test_slow_or_stiff_crossings_get_short_cells(bridge, truck):
     kinks = np.array([0.0, 25.0])
     usual = len(cell_nodes(bc.Crossing(bridge, truck), 30.0, kinks))
     slow = len(cell_nodes(bc.Crossing(bridge, truck), 3.0, kinks))
-    soft = bc.li2006.beam(n_modes=4)
-    fine = len(cell_nodes(bc.Crossing(soft, truck), 20.0, kinks))
+    many = bc.li2006.beam(n_modes=12)
+    fine = len(cell_nodes(bc.Crossing(many, truck), 30.0, kinks))
     assert usual < slow
     assert usual < fine
 

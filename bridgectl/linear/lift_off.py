@@ -54,15 +54,13 @@ class LiftOffWarning(UserWarning):
 class Flight(NamedTuple):
     """A crossing with tires kept from pulling, its nodes [m] (m,) with the events among them.
 
-    States (n, m) and tire forces [N] (n_tires, m) are those at the nodes, the forces at stages
-    (m - 1, N_STAGES, n_tires), the crossing's effect (6 (m - 1) + 1,) that at
-    `bridgectl.linear.cells.sample_positions` of the nodes.
+    States (n, m) and tire forces [N] (n_tires, m) are those at the nodes, the crossing's effect
+    (6 (m - 1) + 1,) that at `bridgectl.linear.cells.sample_positions` of the nodes.
     """
 
     nodes: FloatArray
     states: FloatArray
     forces: FloatArray
-    stage_forces: FloatArray
     effects: FloatArray
 
 
@@ -72,7 +70,6 @@ class _Part(NamedTuple):
     ends: FloatArray
     states: FloatArray
     forces: FloatArray
-    stage_forces: FloatArray
     effects: FloatArray
 
 
@@ -118,8 +115,7 @@ class _Stretch:
         forces = np.where(self.touching, np.maximum(self.would_be, 0.0), 0.0)
         after, inside = slice(1, count + 1), slice(count)
         return _Part(
-            self.nodes[after], self.states[after], forces[after], self.stages[inside, 0],
-            self.effects[inside],
+            self.nodes[after], self.states[after], forces[after], self.effects[inside]
         )  # fmt: skip
 
     def event(self, cell: int, latest: float, first: float) -> float:
@@ -141,15 +137,14 @@ class _Stretch:
         crossing, slack = self.run.crossing, LIFT_OFF * self.run.crossing.linear.static_loads
         inside = fraction * np.append(SAMPLES[1:], 1.0)
         states, would_be = self._within(cell, inside)
-        forces = parabola(np.append(inside, fraction * GAUSS)) @ self.stages[cell, 0]
+        forces = parabola(inside[:-1]) @ self.stages[cell, 0]
         turning = int(np.argmin(_margins(would_be[-1], self.touching) / slack))
         x, width = self.nodes[cell], self.nodes[cell + 1] - self.nodes[cell]
         touching = self.touching & (np.arange(len(slack)) != turning)
-        effects = crossing.values(x + inside[:-1] * width, states[:-1], forces[: len(inside) - 1])
+        effects = crossing.values(x + inside[:-1] * width, states[:-1], forces)
         end = np.where(touching, np.maximum(would_be[-1], 0.0), 0.0)
         part = _Part(
-            x + inside[-1:] * width, states[-1:], end[np.newaxis],
-            forces[np.newaxis, len(inside) :], effects[np.newaxis],
+            x + inside[-1:] * width, states[-1:], end[np.newaxis], effects[np.newaxis]
         )  # fmt: skip
         return part, turning
 
@@ -211,14 +206,12 @@ def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
             touching[turning] = not touching[turning]
             turned, count = True, FEWEST_CELLS
         x, state = parts[-1].ends[-1], parts[-1].states[-1]
-    ends, states, forces, stage_forces, inner = (
-        np.concatenate(of) for of in zip(*parts, strict=True)
-    )
+    ends, states, forces, inner = (np.concatenate(of) for of in zip(*parts, strict=True))
     ends, forces = np.append(nodes[0], ends), np.vstack([loads, forces])
     states = np.vstack([np.zeros(run.crossing.n_states), states])
     at_nodes = run.crossing.values(ends, states, forces)
     effects = np.column_stack([at_nodes[:-1], inner]).ravel()
-    return Flight(ends, states.T, forces.T, stage_forces, np.append(effects, at_nodes[-1]))
+    return Flight(ends, states.T, forces.T, np.append(effects, at_nodes[-1]))
 
 
 def _would_be(

@@ -59,38 +59,6 @@ def mode_responses(
     return free, held @ _from_values(bridge, stages)[:, np.newaxis]
 
 
-def ringing(
-    bridge: BridgeModel, durations: FloatArray, stages: FloatArray
-) -> tuple[ComplexArray, ComplexArray]:
-    """What rings in cells, q = sum_k b_k s^k + Re(a e^(b s)): fast modes, w h > `SLOW`.
-
-    Parameters
-    ----------
-    bridge, durations, stages
-        See `mode_responses`.
-
-    Returns
-    -------
-    from_states, from_forces : ndarray, shapes (S, U, modes, 2) and (S, U, modes, q)
-        Amplitude a [m] from the state at the start and the modal forces [N].
-    """
-    phase, damping, duration = _phases(bridge, durations)
-    polynomials = _particular(np.maximum(phase, SLOW), damping, len(stages))
-    rest = _states(polynomials, np.zeros(1), duration) @ _from_values(bridge, stages)[:, np.newaxis]
-    rate = rates(bridge)
-    turn = -1j / rate.imag
-    from_states = np.column_stack([1 - turn * rate.real, turn])[:, np.newaxis]
-    from_forces = -(from_states @ rest[..., 0, :, :])[..., 0, :]
-    of_states = np.broadcast_to(from_states[:, 0], (*phase.shape, 2))
-    return of_states, np.asarray(from_forces, dtype=complex)
-
-
-def rates(bridge: BridgeModel) -> ComplexArray:
-    """Exponents of the free motions of the modes [rad/s], shape (n_modes,)."""
-    damping = bridge.damping_ratios
-    return np.asarray(bridge.omega * (-damping + 1j * np.sqrt(1 - damping**2)))
-
-
 def _phases(
     bridge: BridgeModel, durations: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -12,15 +12,10 @@ from bridgectl.model.crossing import Crossing
 MAX_WIDTH = 0.1
 """Widest cell [m]: the paper's segment length, below which road waves do not matter."""
 
-# Largest advance of phase in a cell [rad], of the vehicle's fastest motion and of the modes that
-# yield to it. Moments are then within 1e-7 of their converged values (tests/test_propagator.py).
+# Largest advance of phase in a cell [rad], of the vehicle's fastest motion and of the highest
+# mode. Moments are then within 1e-7 of their converged values (tests/test_propagator.py).
 MAX_VEHICLE_PHASE = 0.4
 MAX_BEAM_PHASE = 1.7
-
-FOLLOWED, YIELDING = 9, 9.5
-"""Cells follow all of so many modes; of more modes those up to so many times the lowest frequency,
-three of a beam. Higher ones are so much stiffer than tires that what they do to tire forces within
-a cell changes amplifications by less than 2e-6 (tests/test_modes.py)."""
 
 
 def kink_positions(
@@ -42,14 +37,6 @@ def fastest_motion(crossing: Crossing) -> float:
     return float(np.abs(np.linalg.eigvals(crossing.linear.state_matrix_on_tires())).max())
 
 
-def highest_mode(crossing: Crossing) -> float:
-    """Highest frequency of modes that cells follow [rad/s]."""
-    omega = crossing.beam.omega
-    if omega.size > FOLLOWED:
-        omega = omega[omega <= YIELDING * omega.min()]
-    return float(omega.max())
-
-
 def cell_width(vehicle: float, beam: float, speed: float) -> float:
     """Width of cells [m] that are short for motions of vehicle and beam [rad/s] at a speed."""
     phases = vehicle / MAX_VEHICLE_PHASE, beam / MAX_BEAM_PHASE
@@ -62,7 +49,7 @@ def cell_nodes(crossing: Crossing, speed: float, kinks: FloatArray, refine: int 
     Cells are short enough for the fastest motions at `speed`, the slowest of a batch;
     `refine` cuts each into as many again. Before the bridge no mode moves.
     """
-    fastest, highest = fastest_motion(crossing), highest_mode(crossing)
+    fastest, highest = fastest_motion(crossing), float(crossing.beam.omega.max())
     on_bridge = cell_width(fastest, highest, speed)
     width = np.where(kinks[1:] < SAME_PLACE, cell_width(fastest, 0.0, speed), on_bridge)
     pieces = refine * np.ceil(np.diff(kinks) / width - SAME_PLACE)

@@ -18,7 +18,7 @@ from bridgectl.linear import runs
 from bridgectl.linear.cells import SAMPLES, bridge_entry, sample_positions
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.lift_off import fly, warn_of_flight, warn_of_flights
-from bridgectl.linear.peaks import Ringing, find_peaks
+from bridgectl.linear.peaks import find_peaks
 from bridgectl.model.motion import Motion
 
 METHODS = ("propagator", "control")
@@ -114,11 +114,8 @@ def linear_dafs(
         batches = list(runs.speed_batches(run, speeds))
         for batch in track(batches, "Simulating crossings", len(batches), show=progress):
             stretches = runs.propagate(run, speeds[batch], run.nodes(speeds[batch].min()))
-            bridge = stretches[-1]
-            rings = runs.ringing(
-                crossing, speeds[batch], bridge.cells.nodes, bridge.states, bridge.forces
-            )
-            result[batch] = find_peaks(runs.effect_samples(crossing, bridge).T, rings).values
+            samples = runs.effect_samples(crossing, stretches[-1])
+            result[batch] = find_peaks(samples.T).values
             linear[batch] = ~runs.lifts_off(crossing, stretches)
     simulate = _flying_peak if method == "propagator" else _reference_peak
     flights = {}
@@ -134,24 +131,20 @@ def linear_dafs(
 def _flying_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
     """DAF with the tires kept from pulling, and where one first leaves the road."""
     flight = fly(run, speed, run.nodes(speed))
-    on = slice(bridge_entry(flight.nodes), None)
-    nodes, states = flight.nodes[on], flight.states.T[np.newaxis, on]
-    forces = flight.stage_forces[on].reshape(1, len(nodes) - 1, -1)
-    rings = runs.ringing(run.crossing, np.array([speed]), nodes, states, forces)
-    peak = _peak(flight.effects, flight.nodes, rings)
+    peak = _peak(flight.effects, flight.nodes)
     return peak, runs.first_flight(flight.nodes, flight.forces)
 
 
 def _reference_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
     """The same by the reference route."""
-    nodes = run.fine_nodes(speed)
+    nodes = run.nodes(speed)
     positions = sample_positions(nodes)
     states, forces = runs.simulate_reference(run, Motion(speed), positions)
     effect = run.crossing.values(positions, states.T, forces.T)
     return _peak(effect, nodes), runs.first_flight(positions, forces)
 
 
-def _peak(samples: FloatArray, nodes: FloatArray, rings: Ringing | None = None) -> float:
+def _peak(samples: FloatArray, nodes: FloatArray) -> float:
     """Peak of an effect on the bridge, from its samples on the approach and the bridge."""
     before = len(SAMPLES) * bridge_entry(nodes)
-    return float(find_peaks(samples[before:, np.newaxis], rings).values[0])
+    return float(find_peaks(samples[before:, np.newaxis]).values[0])

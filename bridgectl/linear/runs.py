@@ -19,18 +19,14 @@ from numpy.typing import NDArray
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
-from bridgectl.linear import modes
 from bridgectl.linear.cells import (
-    FORCE_POINTS,
     N_STAGES,
     Cells,
     bridge_entry,
     build_cells,
-    modal_forces,
     road_rows,
 )
-from bridgectl.linear.nodes import MAX_BEAM_PHASE, cell_nodes, kink_positions
-from bridgectl.linear.peaks import Ringing
+from bridgectl.linear.nodes import cell_nodes, kink_positions
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
 from bridgectl.road import RoadProfile
@@ -65,12 +61,6 @@ class Run(NamedTuple):
     def nodes(self, slowest: float, refine: int = 1) -> FloatArray:
         """Nodes of the cells: see `cell_nodes`."""
         return cell_nodes(self.crossing, slowest, self.kinks(), refine)
-
-    def fine_nodes(self, slowest: float) -> FloatArray:
-        """Nodes of cells whose samples tell of every mode."""
-        highest = float(self.crossing.beam.omega.max())
-        longest = np.diff(self.nodes(slowest)).max() / slowest
-        return self.nodes(slowest, max(1, int(np.ceil(highest * longest / MAX_BEAM_PHASE - 0.01))))
 
     def road(self, x: FloatArray) -> FloatArray:
         """Road r under each tire for the reference tire at x, positive downward [m]."""
@@ -158,45 +148,6 @@ def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
     inner = bridge.cells.inner_effects(bridge.states[:, :-1], bridge.stages)
     inner = np.concatenate([at_nodes[:, :-1, np.newaxis], inner], axis=2)
     return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
-
-
-def fast_modes(crossing: Crossing, nodes: FloatArray, slowest: float) -> NDArray[np.intp]:
-    """Modes that ring in the effect faster than the cells are sampled at the slowest speed."""
-    longest = np.diff(nodes).max() / slowest
-    of_beam = crossing.rows(0.0).per_state[crossing.n_vehicle :].reshape(-1, 2)
-    fast = (crossing.beam.omega * longest > MAX_BEAM_PHASE) & of_beam.any(axis=1)
-    return np.nonzero(fast)[0]
-
-
-def ringing(
-    crossing: Crossing, speeds: FloatArray, nodes: FloatArray, states: FloatArray,
-    forces: FloatArray, fast: NDArray[np.intp] | None = None,
-) -> Ringing | None:  # fmt: skip
-    """What rings in the effect faster than the bridge's cells are sampled, if anything.
-
-    Of states (S, C + 1, n) at the nodes and tire forces (S, C, q) at the stages.
-    """
-    if fast is None:
-        fast = fast_modes(crossing, nodes, float(speeds.min()))
-    if not fast.size:
-        return None
-    beam, n, (n_speeds, n_cells, _) = crossing.beam, crossing.n_vehicle, forces.shape
-    widths, kind = np.unique(np.round(np.diff(nodes), 10), return_inverse=True)
-    durations = widths / speeds[:, np.newaxis]
-    of_beam = crossing.rows(0.0).per_state[n:].reshape(-1, 2)[fast]
-    from_states, from_forces = (
-        of[:, :, fast][:, kind] for of in modes.ringing(beam, durations, FORCE_POINTS)
-    )
-    loads = modal_forces(
-        crossing, nodes[:-1], np.diff(nodes), forces.reshape(n_speeds, n_cells, N_STAGES, -1)
-    )
-    start = states[:, :-1, n:].reshape(n_speeds, n_cells, -1, 2)[:, :, fast]
-    amplitude = (from_states * start).sum(axis=-1)
-    amplitude += (from_forces * loads[:, :, fast]).sum(axis=-1)
-    rates = modes.rates(beam)[fast]
-    amplitude *= of_beam[:, 0] + of_beam[:, 1] * rates
-    exponents = durations[:, kind, np.newaxis] * rates
-    return Ringing(np.moveaxis(amplitude, 0, 2), np.moveaxis(exponents, 0, 2))
 
 
 def lifts_off(crossing: Crossing, stretches: list[Stretch]) -> NDArray[np.bool_]:

@@ -16,16 +16,17 @@ from bridgectl._places import SAME_PLACE
 from bridgectl._progress import track
 from bridgectl.linear.cells import (
     _FROM_STAGES,
+    FORCE_POINTS,
     GAUSS,
     N_STAGES,
     SAMPLES,
     bridge_entry,
-    hold_responses,
-    mode_matrices,
+    modal_forces,
     sample_positions,
 )
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.lift_off import fly, warn_of_flights
+from bridgectl.linear.modes import hold_responses, mode_responses
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import (
@@ -44,9 +45,6 @@ from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
-
-_AT_STAGES = np.searchsorted(SAMPLES, GAUSS)
-"""Which of the samples the stages are."""
 
 
 class Samples(NamedTuple):
@@ -152,21 +150,19 @@ def bridge_samples(
     on_tires = vehicle.state_matrix_on_tires()
     free, held = (
         response[:, kind]
-        for response in hold_responses(on_tires, vehicle.road_input, durations, points=points)
+        for response in hold_responses(on_tires, vehicle.road_input, durations, GAUSS, points)
     )
     before = bridge.states[:, :-1]
     inner[..., :n] = np.einsum("scpij,scj->scpi", free, before[..., :n])
     inner[..., :n] += np.einsum("scpiqk,scqk->scpi", held, surface)
 
-    modes = mode_matrices(crossing, crossing.beam.n_modes)
     free, held = (
-        response[:, kind] for response in hold_responses(*modes, durations, points=points)
+        of[:, kind] for of in mode_responses(crossing.beam, durations, FORCE_POINTS, points)
     )
-    stations = crossing.tire_shapes(sample_positions(nodes)[:-1].reshape(len(kind), -1))
-    per_mode = np.einsum("scqk,cqkj->scqj", forces, stations[:, _AT_STAGES])
+    loads = modal_forces(crossing, nodes[:-1], np.diff(nodes), forces)
     states = before[..., n:].reshape(*before.shape[:2], -1, 2)
     of_modes = np.einsum("scjpab,scjb->scpja", free, states)
-    of_modes += np.einsum("scjpaq,scqj->scpja", held[..., 0], per_mode)
+    of_modes += np.einsum("scjpaf,scjf->scpja", held, loads)
     inner[..., n:] = of_modes.reshape(*inner.shape[:3], -1)
 
     at_nodes = _node_forces(crossing, bridge)

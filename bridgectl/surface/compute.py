@@ -23,7 +23,6 @@ from bridgectl.model.motion import Motion
 from bridgectl.road import RoadProfile
 from bridgectl.road.iso8608 import ramp_covariance
 from bridgectl.road.psd import CLASSES
-from bridgectl.surface.factored import FactoredHistories
 from bridgectl.surface.histories import DenseHistories, Histories, factor_histories
 from bridgectl.surface.ramps import ends_of_ramps, one_ramp
 from bridgectl.surface.surface import RampSurface
@@ -119,8 +118,7 @@ def linear_surface(
         histories = factor_histories(run, speeds, grid.length, grid.n_ramps)
     else:
         histories = _simulate_ramps(run, grid.edges, speeds, grid.height, progress)
-    rings = histories.rings if isinstance(histories, FactoredHistories) else None
-    smooth = crossing.orientation * find_peaks(histories.smooth.T, rings).values
+    smooth = crossing.orientation * find_peaks(histories.smooth.T).values
     peaks = [[histories.peaks(i, h) for i in range(speeds.size)] for h in grid.heights]
     ramps = crossing.orientation * np.array(peaks)[..., :: grid.every]
     vehicle = crossing.linear
@@ -190,7 +188,7 @@ def _simulate_ramps(
 ) -> DenseHistories:
     """Histories of one control-library simulation for each ramp and speed."""
     n_ramps = len(edges) - 1
-    nodes = run.fine_nodes(float(speeds.min()))
+    nodes = run.nodes(float(speeds.min()))
     nodes = nodes[bridge_entry(nodes) :]
     positions = sample_positions(nodes)
     moments = np.empty((len(speeds), n_ramps + 1, len(positions)))

@@ -9,16 +9,13 @@ moment is a row times those states.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from copy import copy
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
-from bridgectl.linear.cells import SAMPLES
-from bridgectl.linear.peaks import Ringing, margins, raise_peaks, whole_cells
+from bridgectl.linear.peaks import margins, raise_peaks, whole_cells
 
 ALL = slice(None)
 
@@ -47,19 +44,6 @@ class FactoredHistories:
     """Moment at its samples, the last being the next one's first, from states, (S, B, T + 1, n)."""
     direct: FloatArray
     """And from its ramps, (S, B, T + 1, L)."""
-    rings: ClassVar[Ringing | None] = None
-    """What rings on a smooth road faster than samples tell; files leave it out. So is what a ramp
-    adds: 1e-5 of the load's effect for one of 1 mm, on a beam of 20 modes."""
-
-    def with_ringing(self, rings: Ringing | None) -> FactoredHistories:
-        """Return the histories with what rings in them."""
-        found = copy(self)
-        object.__setattr__(found, "rings", rings)
-        return found
-
-    def ringing(self, speed: int, cells: slice = ALL) -> Ringing | None:
-        """See `bridgectl.surface.histories.Histories.ringing`, in some cells."""
-        return self.rings and self.rings.shared(speed, cells)
 
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
         """See `bridgectl.surface.histories.Histories.moments`."""
@@ -83,8 +67,6 @@ class FactoredHistories:
         # Between samples a moment rises above them by its margin, to which a ramp adds as much as
         # its reach.
         room = margins(smooth[:, np.newaxis])[0] + 2 * ramps.reach()
-        if self.rings is not None:
-            room += self.rings.swing()[speed]
         starts = np.arange(0, len(smooth) - 1, per_block)
         tops = np.maximum.reduceat(smooth, starts)
         tops[:-1] = np.maximum(tops[:-1], smooth[starts[1:]])
@@ -96,9 +78,7 @@ class FactoredHistories:
                 cells = slice(*whole_cells(high[0], high[-1], len(samples)))
                 moment = ramps.block(block, cells)
                 moment += samples[cells, np.newaxis]
-                first = (block * per_block + cells.start) // len(SAMPLES)
-                within = slice(first, first + len(moment) // len(SAMPLES))
-                raise_peaks(best, moment, self.ringing(speed, within))
+                raise_peaks(best, moment)
         return best
 
     def _of_roads(self, speed: int, drops: FloatArray) -> Iterator[FloatArray]:

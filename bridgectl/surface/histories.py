@@ -16,9 +16,9 @@ from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, even_places
-from bridgectl.linear.cells import SAMPLES, Cells, bridge_entry, build_cells, road_rows
-from bridgectl.linear.peaks import Ringing, find_peaks
-from bridgectl.linear.runs import Run, fast_modes, ringing, speed_batches
+from bridgectl.linear.cells import SAMPLES, Cells, bridge_entry, build_cells
+from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.runs import Run, speed_batches
 from bridgectl.surface.factored import FactoredHistories, joined
 
 BATCH_BYTES = 16e6
@@ -38,10 +38,6 @@ class Histories(Protocol):
 
     def peaks(self, speed: int, drops: float) -> FloatArray:
         """Peak moment with each ramp on its own, so high [m], at one speed, shape (n_ramps,)."""
-
-    def ringing(self, speed: int) -> Ringing | None:
-        """What rings in histories at one speed: see `bridgectl.linear.peaks.find_peaks`."""
-        ...
 
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
         """Normalized moment beyond the smooth road's at one speed, by its index, at the samples.
@@ -83,10 +79,6 @@ class FeedbackHistories:
         """See `smooth`."""
         return self.smooth
 
-    def ringing(self, speed: int) -> Ringing | None:
-        """None is kept, as `smooth`."""
-        return None
-
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
         """See `smooth`."""
         return self.smooth
@@ -107,10 +99,6 @@ class DenseHistories:
     def peaks(self, speed: int, drops: float) -> FloatArray:
         """See `Histories.peaks`."""
         return find_peaks(superposed(self, speed, drops)).values
-
-    def ringing(self, speed: int) -> Ringing | None:
-        """None: the samples tell all."""
-        return None
 
     def moments(self, speed: int, drops: FloatArray | float) -> FloatArray:
         """See `Histories.moments`."""
@@ -140,11 +128,9 @@ def factor_histories(
     share = np.diff(nodes) / ramp_length
     rises = _block_rises(place.reshape(n_blocks, per_block, -1), share, local.shape[1] + 1)
 
-    parts, rings = [], []
-    fast = fast_modes(run.crossing, nodes, float(speeds.min()))
+    parts = []
     for batch in speed_batches(run, speeds, BATCH_BYTES):
         cells = build_cells(run.crossing, speeds[batch], nodes, on_bridge=True)
-        rings.append(_smooth_ringing(run, speeds[batch], cells, n_cells, fast))
         arrived = _entry_states(run, speeds[batch], ramp_length, n_ramps)
         parts.append(_factor_blocks(run, cells, rises, arrived))
     smooth, entries, carried, added, rows, direct = (
@@ -152,34 +138,9 @@ def factor_histories(
     )
     n_samples = len(SAMPLES) * n_cells + 1
     smooth = np.array([joined(blocks)[:n_samples] for blocks in smooth])
-    histories = FactoredHistories(
+    return FactoredHistories(
         nodes[: n_cells + 1], smooth, entries, local, carried, added, rows, direct
     )
-    return histories.with_ringing(_of_all_speeds(rings))
-
-
-def _of_all_speeds(rings: list[Ringing | None]) -> Ringing | None:
-    """Ringing of batches of speeds together."""
-    found = [each for each in rings if each is not None]
-    if not found:
-        return None
-    return Ringing(*(np.concatenate(of, axis=-1) for of in zip(*found, strict=True)))
-
-
-def _smooth_ringing(
-    run: Run, speeds: FloatArray, cells: Cells, n_cells: int, fast: NDArray[np.intp]
-) -> Ringing | None:
-    """What rings of fast modes on a smooth road in the cells up to the exit, if anything."""
-    if not fast.size:
-        return None
-    crossing = run.crossing
-    level = road_rows(np.zeros((len(cells.nodes), crossing.linear.n_tires)))
-    at_rest = np.zeros((len(speeds), cells.n_states, 1))
-    states, stages = cells.propagate(level[..., np.newaxis], at_rest)
-    return ringing(
-        crossing, speeds, cells.nodes[: n_cells + 1], states[:, : n_cells + 1, :, 0],
-        stages[:, :n_cells, : stages.shape[2] // 2, 0], fast,
-    )  # fmt: skip
 
 
 def _ramps_of_cells(

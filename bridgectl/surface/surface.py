@@ -308,8 +308,7 @@ class RampSurface(UnitRamps):
         """Superposed DAF of roads, (n_speeds, n_roads); NaN where a tire may leave the road."""
         values = np.empty((len(self.speeds), drops.shape[1]))
         for i in range(len(self.speeds)):
-            rings = self.histories.ringing(i)
-            peaks = find_peaks(superposed(self.histories, i, drops), rings).values
+            peaks = find_peaks(superposed(self.histories, i, drops)).values
             values[i] = self._crossing.orientation * peaks
         values[self.near_lift_off(drops)] = np.nan
         return values

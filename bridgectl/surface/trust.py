@@ -143,6 +143,5 @@ def _peak_rises(surface: RampSurface, drops: FloatArray) -> FloatArray:
     rises = np.empty((len(surface.speeds), drops.shape[1]))
     for i, smooth in enumerate(surface.histories.smooth):
         moment = superposed(surface.histories, i, drops)
-        rings = surface.histories.ringing(i)
-        rises[i] = find_peaks(moment, rings).values - moment[np.argmax(smooth)]
+        rises[i] = find_peaks(moment).values - moment[np.argmax(smooth)]
     return rises
