@@ -336,7 +336,8 @@ def test_a_mistake_in_an_effect_of_modes_names_its_key(capsys, file, tmp_path, o
 
 
 def test_files_that_are_none_are_one_line(capsys, tmp_path):
-    assert "nowhere.toml" in complaint(capsys, "--bridge", tmp_path / "nowhere.toml")
+    told = complaint(capsys, "--bridge", tmp_path / "nowhere.toml")
+    assert "nowhere.toml: no such file: check the name and the folder" in told
     assert "is no file but a folder" in complaint(capsys, "--bridge", tmp_path)
     path = tmp_path / "binary.toml"
     path.write_bytes(b"\xff\xfe\x00s")

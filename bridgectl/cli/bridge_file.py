@@ -96,6 +96,8 @@ def _parsed(path: Path) -> dict[str, Any]:
         raise ValueError("is no file but a folder, pipe or device: type the name of a TOML file")
     try:
         return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        raise ValueError("no such file: check the name and the folder, or type example") from None
     except UnicodeDecodeError:
         raise ValueError("is no UTF-8 text: type the name of a TOML file") from None
     except tomllib.TOMLDecodeError as error:
