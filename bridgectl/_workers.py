@@ -11,6 +11,9 @@ from typing import Any, TypeVar
 
 T = TypeVar("T")
 
+MANAGER = "ExecutorManagerThread"
+"""Name of joblib's thread that manages workers."""
+
 
 def in_processes(
     work: Callable[..., T], jobs: Sequence[tuple[Any, ...]], workers: int
@@ -23,6 +26,7 @@ def in_processes(
     import joblib  # late, as it is slow to load
 
     parallel, found = joblib.Parallel(workers, return_as="generator_unordered"), None
+    hear_no_manager()
     try:
         with deaf_to_ctrl_c():
             found = parallel(joblib.delayed(_numbered)(i, work, *job) for i, job in enumerate(jobs))
@@ -32,6 +36,23 @@ def in_processes(
         if found is not None:
             with suppress(KeyboardInterrupt):  # of which joblib says nothing, and ends the workers
                 found.throw(KeyboardInterrupt)
+
+
+def hear_no_manager() -> None:
+    """Do not print what joblib's thread that manages the workers fails with as Ctrl-C ends them.
+
+    Where it fails for another reason, the work that is lost raises an error of its own.
+    """
+    usual = threading.excepthook
+    if getattr(usual, "hears_no_manager", False):
+        return
+
+    def hook(args: threading.ExceptHookArgs) -> None:
+        if args.thread is None or args.thread.name != MANAGER:
+            usual(args)
+
+    hook.hears_no_manager = True  # type: ignore[attr-defined]
+    threading.excepthook = hook
 
 
 @contextmanager

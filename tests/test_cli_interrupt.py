@@ -151,3 +151,15 @@ def test_a_thread_leaves_ctrl_c_to_the_main_one():
     thread.start()
     thread.join()
     assert found == [signal.default_int_handler]
+
+
+def test_of_threads_the_one_that_manages_ended_workers_alone_fails_unheard(monkeypatch):
+    heard = []
+    monkeypatch.setattr(threading, "excepthook", heard.append)
+    _workers.hear_no_manager()
+    _workers.hear_no_manager()  # once is enough
+    for name in (_workers.MANAGER, "another"):
+        thread = threading.Thread(target=lambda: 1 / 0, name=name)
+        thread.start()
+        thread.join()
+    assert [args.thread.name for args in heard] == ["another"]
