@@ -60,7 +60,7 @@ _INNER = np.argsort(_POINTS)[:-1]
 END = N_STAGES  # the end of the cell, in them
 N_ROWS = N_STAGES + 2  # deflections at the stages and states at the end
 # Values at those samples of the parabola through values at the stages.
-_FROM_STAGES = parabola(SAMPLES[1:])
+FROM_STAGES = parabola(SAMPLES[1:])
 # The same at the force points.
 TO_FORCES = parabola(FORCE_POINTS)
 
@@ -243,7 +243,7 @@ def build_cells(
     free[:, :, :n, :n] = free_vehicle[:, :, END]
     for j, own in enumerate(np.arange(n, n_states).reshape(n_modes, 2)):
         free[:, :, own[:, np.newaxis], own] = beam.free[:, :, j, END]
-    through_forces = np.einsum("mpk,pn->mpnk", rows.per_force, _FROM_STAGES)
+    through_forces = np.einsum("mpk,pn->mpnk", rows.per_force, FROM_STAGES)
     effect[..., :q] = beam.effect + through_forces.reshape(len(starts), -1, q)
     effect[..., q:] = (of_vehicle @ held_vehicle[:, :, _INNER])[:, kind_of_map]
     modes = np.einsum("ja,sujpab->supjb", of_beam, beam.free[:, :, :, _INNER])

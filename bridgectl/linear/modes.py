@@ -12,14 +12,11 @@ the two nearly cancel: there the power series of their sum takes its place.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
-
-ComplexArray = NDArray[np.complex128]
 
 SLOW = 1.0
 """Phase of a cell w h [rad] up to which the power series is used."""

@@ -144,7 +144,7 @@ def _through(run: Run, cells: Cells, initial: FloatArray) -> Stretch:
 
 def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
     """The crossing's effect at `sample_positions` of the bridge's cells, (S, n_samples)."""
-    at_nodes = crossing.values(bridge.cells.nodes, bridge.states, _node_forces(crossing, bridge))
+    at_nodes = crossing.values(bridge.cells.nodes, bridge.states, node_forces(crossing, bridge))
     inner = bridge.cells.inner_effects(bridge.states[:, :-1], bridge.stages)
     inner = np.concatenate([at_nodes[:, :-1, np.newaxis], inner], axis=2)
     return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
@@ -154,14 +154,14 @@ def lifts_off(crossing: Crossing, stretches: list[Stretch]) -> NDArray[np.bool_]
     """At which speeds some tire would have to pull, shape (S,)."""
     least = np.full(len(stretches[0].states), np.inf)
     for stretch in stretches:
-        at_nodes = _node_forces(crossing, stretch) / crossing.linear.static_loads
+        at_nodes = node_forces(crossing, stretch) / crossing.linear.static_loads
         loads = np.tile(crossing.linear.static_loads, N_STAGES)
         least = np.minimum(least, at_nodes.min(axis=(1, 2)))
         least = np.minimum(least, (stretch.forces / loads).min(axis=(1, 2)))
     return np.asarray(least < -LIFT_OFF)
 
 
-def _node_forces(crossing: Crossing, stretch: Stretch) -> FloatArray:
+def node_forces(crossing: Crossing, stretch: Stretch) -> FloatArray:
     """Tire forces at the nodes, shape (S, C + 1, n_tires)."""
     n, states = crossing.n_vehicle, stretch.states
     deflections = np.zeros(1)
@@ -184,7 +184,7 @@ def at_nodes(
         padded = np.zeros((len(stretch.cells.nodes), crossing.n_states))
         padded[:, : stretch.states.shape[-1]] = stretch.states[0]
         states.append(padded[:upto])
-        forces.append(_node_forces(crossing, stretch)[0, :upto])
+        forces.append(node_forces(crossing, stretch)[0, :upto])
     return np.concatenate(states)[keep].T, np.concatenate(forces)[keep].T
 
 

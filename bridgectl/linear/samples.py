@@ -15,8 +15,8 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
 from bridgectl._progress import track
 from bridgectl.linear.cells import (
-    _FROM_STAGES,
     FORCE_POINTS,
+    FROM_STAGES,
     GAUSS,
     N_STAGES,
     SAMPLES,
@@ -32,9 +32,9 @@ from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import (
     Run,
     Stretch,
-    _node_forces,
     first_flight,
     lifts_off,
+    node_forces,
     propagate,
     simulate_reference,
     speed_batches,
@@ -165,8 +165,8 @@ def bridge_samples(
     of_modes += np.einsum("scjpaf,scjf->scpja", held, loads)
     inner[..., n:] = of_modes.reshape(*inner.shape[:3], -1)
 
-    at_nodes = _node_forces(crossing, bridge)
-    between = np.einsum("pq,scqk->scpk", _FROM_STAGES, forces)
+    at_nodes = node_forces(crossing, bridge)
+    between = np.einsum("pq,scqk->scpk", FROM_STAGES, forces)
     return _interleaved(bridge.states, inner), _interleaved(at_nodes, between)
 
 

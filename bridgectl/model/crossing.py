@@ -110,6 +110,11 @@ class Crossing(Equations):
         at = self.effect.at if isinstance(self.effect, AtSection) else None
         return Moment(at).on(self.beam, self.linear)
 
+    @cached_property
+    def _moment_peak(self) -> float:
+        """Its static peak [N m]: a search along the bridge, and a simulation asks at every step."""
+        return self._moment.static_peak(self.beam, self.linear)
+
     @property
     def kinks(self) -> FloatArray:
         """Places [m] where mode shapes are not smooth, or what a tire there does to the effect."""
@@ -212,7 +217,7 @@ class Crossing(Equations):
         vehicle, n = self.linear, self.n_vehicle
         read = self.beam, vehicle, self.tire_positions(x)
         moment, deflection = self._moment, Deflection(self._moment.at)
-        peak = moment.static_peak(self.beam, vehicle) or 1.0
+        peak = self._moment_peak or 1.0
         further, static = self._named.values(), []
         if self.static:
             each = moment, deflection, *further
