@@ -165,6 +165,7 @@ def test_a_file_tells_what_it_holds_without_bridgectl(surface, tmp_path):
     parts = {name for name in header["parameters"] if "." in name}
     assert parts - header["units"].keys() <= {
         "vehicle.coordinates",
+        "vehicle.damper_names",
         "effect.recovery",
         "effect.sense",
     }

@@ -161,3 +161,31 @@ def test_a_convoy_needs_vehicles_and_one_offset_each():
         bc.convoy([], [])
     with pytest.raises(ValueError, match=r"offsets must have shape \(1,\)"):
         bc.convoy([bc.li2006.car()], [0, 5])
+
+
+def test_a_vehicle_without_its_passive_dampers_has_their_forces_no_more():
+    legs = np.array([[1.0, -1.5, -1.0, 0.0], [1.0, 2.5, 0.0, -1.0]])
+    damping = legs.T @ np.diag([10e3, 20e3]) @ legs
+    car = bc.Vehicle(
+        np.diag([12000.0, 20000, 700, 900]), damping, 200e3 * legs.T @ legs, [1.8e6, 3.6e6],
+        [0.0, 4.0], damper_map=legs, heave=[1.0, 0, 1, 1], damper_dampings=[10e3, 20e3],
+        damper_names=["front", "rear"],
+    )  # fmt: skip
+    np.testing.assert_allclose(car.undamped.damping_matrix, 0.0, atol=1e-9)  # N s/m
+    np.testing.assert_array_equal(car.undamped.damper_dampings, 0.0)
+    # The upper ends, travel and lower ends together, are places of the body.
+    np.testing.assert_array_equal((car.damper_map + car.damper_axles)[:, 2:], 0.0)
+    with pytest.raises(ValueError, match="damper_dampings must be 0 N s/m or more"):
+        dataclasses.replace(car, damper_dampings=[-1.0, 0.0])
+
+
+def test_dampers_fewer_than_tires_stand_on_the_nearest_hubs():
+    car = bc.convoy([bc.li2006.car(), bc.li2006.car()], [0, 5])
+    fewer = dataclasses.replace(
+        car,
+        damper_map=car.damper_map[1:],
+        damper_axles=None,
+        damper_dampings=None,
+        damper_names=None,
+    )
+    np.testing.assert_array_equal(fewer.damper_axles, car.tire_map[1:])

@@ -92,6 +92,7 @@ class QuarterCar:
             stiffness_matrix=self.suspension_stiffness * leg.T @ leg,
             tire_stiffnesses=[self.tire_stiffness],
             damper_map=leg,
+            damper_dampings=[self.damping],
             coordinates=("y_s", "y_t"),
             tire_damping=self.tire_damping,
         )
@@ -165,5 +166,10 @@ def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -
         heave=np.concatenate([car.heave for car in members]),
         coordinates=[
             f"{name}_{i}" for i, car in enumerate(members, start=1) for name in car.coordinates
+        ],
+        damper_axles=block_diag(*(car.damper_axles for car in members)),
+        damper_dampings=np.concatenate([car.damper_dampings for car in members]),
+        damper_names=[
+            f"{name}_{i}" for i, car in enumerate(members, start=1) for name in car.damper_names
         ],
     )

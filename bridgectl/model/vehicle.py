@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import control
@@ -48,6 +48,14 @@ class Vehicle:
     damper_map : array_like, shape (n_dampers, n), optional
         D, as T: the relative displacement of each controlled damper from the coordinates.
         Dimensionless for translations. Default: no controlled damper.
+    damper_axles : array_like, shape (n_dampers, n), optional
+        As T, dimensionless: displacement of each damper's lower end. Default: the tires' hubs, if
+        there are as many as dampers, else those nearest in `damper_map`.
+    damper_dampings : array_like, shape (n_dampers,), optional
+        Damping of each passive damper [N s/m] that is part of `C` and that a controlled one takes
+        the place of. Default: zeros.
+    damper_names : sequence of str, optional
+        Names of the dampers. Default: '1', '2', ...
     heave : array_like, shape (n,), optional
         Coordinates when the whole vehicle moves down by 1 [m]: 1 for a translation (default),
         0 for a rotation. Gravity acts along it.
@@ -99,6 +107,9 @@ class Vehicle:
     damper_map: FloatArray
     heave: FloatArray
     coordinates: tuple[str, ...]
+    damper_axles: FloatArray
+    damper_dampings: FloatArray
+    damper_names: tuple[str, ...]
 
     def __init__(
         self,
@@ -112,27 +123,36 @@ class Vehicle:
         heave: ArrayLike | None = None,
         coordinates: Sequence[str] | None = None,
         tire_damping: float = 0.0,
+        damper_axles: ArrayLike | None = None,
+        damper_dampings: ArrayLike | None = None,
+        damper_names: Sequence[str] | None = None,
     ) -> None:
         mass = _checks.array("mass_matrix", mass_matrix, (None, None), unit="kg")
         tires = _checks.array("tire_stiffnesses", tire_stiffnesses, (None,), unit="N/m")
         n, n_tires = mass.shape[0], tires.size
-        hubs = np.eye(n)[max(n - n_tires, 0) :]
+        last = np.eye(n)[max(n - n_tires, 0) :]
 
         def given(
             name: str, value: ArrayLike | None, default: ArrayLike, shape: tuple[int | None, ...]
         ) -> FloatArray:
             return _checks.array(name, default if value is None else value, shape)
 
+        hubs = given("tire_map", tire_map, last, (n_tires, n))
+        dampers = given("damper_map", damper_map, np.zeros((0, n)), (None, n))
+        count = len(dampers)
         values: dict[str, FloatArray | tuple[str, ...]] = {
             "mass_matrix": _checks.array("mass_matrix", mass, (n, n), unit="kg"),
             "damping_matrix": _checks.array("damping_matrix", damping_matrix, (n, n)),
             "stiffness_matrix": _checks.array("stiffness_matrix", stiffness_matrix, (n, n)),
             "tire_stiffnesses": tires,
             "tire_offsets": given("tire_offsets", tire_offsets, np.zeros(n_tires), (n_tires,)),
-            "tire_map": given("tire_map", tire_map, hubs, (n_tires, n)),
-            "damper_map": given("damper_map", damper_map, np.zeros((0, n)), (None, n)),
+            "tire_map": hubs,
+            "damper_map": dampers,
             "heave": given("heave", heave, np.ones(n), (n,)),
-            "coordinates": _coordinate_names(coordinates, n),
+            "coordinates": _names("coordinates", "y_", coordinates, n),
+            "damper_axles": given("damper_axles", damper_axles, _axles(dampers, hubs), (count, n)),
+            "damper_dampings": given("damper_dampings", damper_dampings, np.zeros(count), (count,)),
+            "damper_names": _names("damper_names", "", damper_names, count),
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
@@ -169,6 +189,9 @@ class Vehicle:
                 raise ValueError(f"{name} must not have negative eigenvalues")
         if np.linalg.eigvalsh(self.mass_matrix).min() <= 0:
             raise ValueError("mass_matrix must be positive definite: every mass above 0 kg")
+
+        if np.any(self.damper_dampings < 0):
+            raise ValueError(f"damper_dampings must be 0 N s/m or more, got {self.damper_dampings}")
 
     def _check_tires(self) -> None:
         if self.tire_stiffnesses.size == 0 or np.any(self.tire_stiffnesses <= 0):
@@ -260,6 +283,14 @@ class Vehicle:
         """Input matrix of the damper forces [N], shape (2 n, n_dampers)."""
         return np.asarray(-self.velocities.T @ np.linalg.solve(self.mass_matrix, self.damper_map.T))
 
+    @property
+    def undamped(self) -> Vehicle:
+        """The vehicle without its passive dampers, `damper_dampings`: controlled ones stay."""
+        passive = self.damper_map.T @ (self.damper_dampings[:, np.newaxis] * self.damper_map)
+        damping = self.damping_matrix - passive
+        zeros = np.zeros_like(self.damper_dampings)
+        return replace(self, damping_matrix=damping, damper_dampings=zeros)
+
     @cached_property
     def hubs(self) -> FloatArray:
         """Selects the hub displacement [m] of each tire from the states, shape (n_tires, 2 n)."""
@@ -333,11 +364,18 @@ def signals(name: str, count: int) -> list[str]:
     return [name] if count == 1 else [f"{name}_{i}" for i in range(1, count + 1)]
 
 
-def _coordinate_names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
-    result = tuple(f"y_{i}" for i in range(1, n + 1)) if names is None else tuple(names)
+def _names(what: str, prefix: str, names: Sequence[str] | None, n: int) -> tuple[str, ...]:
+    result = tuple(f"{prefix}{i}" for i in range(1, n + 1)) if names is None else tuple(names)
     if len(result) != n or len(set(result)) != n or not all(isinstance(s, str) for s in result):
-        raise ValueError(f"coordinates must be {n} different names, got {names!r}")
+        raise ValueError(f"{what} must be {n} different names, got {names!r}")
     return result
+
+
+def _axles(dampers: FloatArray, hubs: FloatArray) -> FloatArray:
+    """Hubs of the tires under the dampers: each damper's travel is that of a body less a hub's."""
+    if len(dampers) == len(hubs):
+        return hubs
+    return np.asarray(hubs[np.argmin(dampers @ hubs.T, axis=1)])
 
 
 def _no_tire_damping(value: float) -> None:
