@@ -134,7 +134,7 @@ def judge_damper(damper: Damper) -> None:
     _tell(_damper_doubts(damper))
 
 
-def judge_range(car: QuarterCar, *dampers: Damper) -> None:
+def judge_range(car: Vehicle | QuarterCar, *dampers: Damper) -> None:
     """Warn of dampings that are nothing, or all, beside what a vehicle needs."""
     _tell(chain.from_iterable(_range_doubts(car, damper) for damper in dampers))
 
@@ -309,9 +309,18 @@ def _damper_doubts(damper: Damper) -> Iterator[str]:
         yield f"velocity_noise = {noise:g} m/s hides all: for {noise:g} mm/s type {noise / 1e3:g}"
 
 
-def _range_doubts(car: QuarterCar, damper: Damper) -> Iterator[str]:
+def _critical(vehicle: Vehicle | QuarterCar) -> float:
+    """Critical damping of a suspension [N s/m]; of a vehicle about that of its stiffest."""
+    linear = vehicle.linear
+    mass = getattr(vehicle, "sprung_mass", linear.mass / len(linear.damper_map))
+    axles = linear.damper_axles
+    springs = ((axles @ linear.stiffness_matrix) * axles).sum(axis=1)
+    return 2 * float(np.sqrt(springs.max() * mass))
+
+
+def _range_doubts(car: Vehicle | QuarterCar, damper: Damper) -> Iterator[str]:
     largest = damper.strategy.c_max
-    critical = 2 * float(np.sqrt(car.suspension_stiffness * car.sprung_mass))
+    critical = _critical(car)
     judged, remedy = "", ""
     if 0 < largest < SUSPENSION_DAMPING[0] * critical:
         judged, remedy = "nothing", f"for {largest:g} kN s/m type {1000 * largest:g}"

@@ -21,7 +21,7 @@ Elsewhere the damper is passive. Either needs position and speed, and no preview
 
 from __future__ import annotations
 
-from functools import cached_property
+from copy import copy
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -32,14 +32,16 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.dampers.actuator import bare_vehicle
-from bridgectl.dampers.costate import REACH, Costate, costate
-from bridgectl.dampers.peak_value import PeakValue, peak_value
+from bridgectl.dampers.actuator import require_dampers
+from bridgectl.dampers.costate import REACH, Costate, checked_leg, costate
+from bridgectl.dampers.legs import Legs
+from bridgectl.dampers.peak_value import PeakValue, peak_values
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing
 from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 
 SPACING = 0.7
 """Largest distance between knots on the bridge [m]: an axle hop takes more than a metre."""
@@ -67,7 +69,7 @@ lag=0 s)
     def __init__(
         self,
         beam: BridgeModel,
-        vehicle: QuarterCar,
+        vehicle: Vehicle | QuarterCar,
         c_min: float,
         c_max: float,
         section: float = 0.5,
@@ -77,12 +79,14 @@ lag=0 s)
         lag: float = 0.0,
     ) -> None:
         # The crossing checks beam, vehicle and effect.
-        self.effect = make_crossing(beam, bare_vehicle(vehicle), effect, section).effect
+        self.effect = make_crossing(beam, vehicle, effect, section).effect
+        require_dampers(vehicle)
         if not isinstance(feedback, bool | np.bool_):
             raise TypeError(f"feedback must be True or False, got {feedback!r}")
         self.beam, self.vehicle, self.feedback = beam, vehicle, bool(feedback)
         self.lag = check.not_negative("lag", lag, unit="s")
-        self.laws: dict[float, Strategy] = {}
+        self.leg, self.laws = 1, dict[tuple[int, float], Strategy]()
+        self.worths: dict[float, list[PeakValue]] = {}
         super().__init__("bridgehook", self._untold, c_min, c_max)
 
     def __repr__(self) -> str:
@@ -99,16 +103,24 @@ lag=0 s)
     def for_speed(self, speed: float) -> Strategy:
         """Return the law at a speed [m/s]: see `Strategy.for_speed`."""
         c = check.positive("speed", speed, unit="m/s")
-        if c not in self.laws:
-            self.laws[c] = self._made(c)
-        return self.laws[c]
+        if (self.leg, c) not in self.laws:
+            self.laws[self.leg, c] = self._made(c)
+        return self.laws[self.leg, c]
+
+    def for_leg(self, leg: int) -> Bridgehook:
+        """Return the law of a damper of the vehicle: see `Strategy.for_leg`."""
+        other = copy(self)
+        other.leg = checked_leg(self.vehicle, leg)
+        return other
 
     def _made(self, speed: float) -> Strategy:
         case = self.beam, self.vehicle, speed
         if not self.feedback:
-            return _costate_law(costate(*case, effect=self.effect), self)
-        bounds = self.c_min, self.c_max
-        return _feedback_law(peak_value(*case, *bounds, effect=self.effect, reach=REACH), self)
+            return _costate_law(costate(*case, effect=self.effect, leg=self.leg), self)
+        if speed not in self.worths:  # those of all legs come together
+            bounds = self.c_min, self.c_max
+            self.worths[speed] = peak_values(*case, *bounds, effect=self.effect, reach=REACH)
+        return _feedback_law(self.worths[speed][self.leg - 1], self)
 
     def command(self, **signals: ArrayLike) -> FloatArray:
         """Evaluate the command [N s/m] at one speed, one of the signals: see `Strategy.command`."""
@@ -125,15 +137,21 @@ lag=0 s)
             "bridgehook has a law for each speed: type for example law.for_speed(25.0).to_c(path)"
         )
 
-    @cached_property
+    @property
     def passive_damping(self) -> float:
         """Damping before and after it is commanded [N s/m]: the vehicle's own, in its range."""
-        return float(np.clip(self.vehicle.damping, self.c_min, self.c_max))
+        own = self.vehicle.linear.damper_dampings[self.leg - 1]
+        return float(np.clip(own, self.c_min, self.c_max))
+
+    @property
+    def behind(self) -> float:
+        """How far the leg is behind the reference tire, whose places count [m]."""
+        return float(Legs(self.vehicle.linear).offsets[self.leg - 1])
 
 
 def bridgehook(
     beam: BridgeModel,
-    vehicle: QuarterCar,
+    vehicle: Vehicle | QuarterCar,
     c_min: float,
     c_max: float,
     *,
@@ -151,8 +169,9 @@ def bridgehook(
     ----------
     beam : Beam
         The bridge that sigma is computed for.
-    vehicle : QuarterCar
-        The vehicle, with its passive damping.
+    vehicle : Vehicle or QuarterCar
+        The vehicle, with its passive damping. Each of its dampers has a law of its own, in which
+        all have c from `c_min` to `c_max`.
     section, effect : optional
         What it works against: see `bridgectl.daf`. A moment at mid-span if omitted.
     c_min, c_max : float
@@ -216,7 +235,7 @@ def _feedback_law(found: PeakValue, owner: Bridgehook) -> Strategy:
     bends[:, 0] = first[:, 0]
 
     def law(signals: Any, g: Any) -> Any:
-        s = _later(signals, owner.lag)
+        s = _later(signals, owner.lag, owner.behind)
         place = ca.fmin(ca.fmax(s.position, -REACH), end)
         beyond = [ca.fmax(place - float(knot), 0) for knot in knots[:-1]]
         constant, body, axle = (
@@ -247,7 +266,7 @@ def _costate_law(found: Costate, owner: Bridgehook) -> Strategy:
     start, end = float(x[0]), float(x[-1])
 
     def law(signals: Any, g: Any) -> Any:
-        s = _later(signals, owner.lag)
+        s = _later(signals, owner.lag, owner.behind)
         sign: Any = 1.0
         for place in places:
             sign = sign * (2 * (s.position < float(place)) - 1)
@@ -262,12 +281,15 @@ def _switched(sigma: Any, s: Any, g: Any, start: float, end: float, owner: Bridg
     return ca.if_else(active, ca.if_else(stiff, g.c_max, g.c_min), owner.passive_damping)
 
 
-def _later(s: Any, time: float) -> Any:
-    """The signals that count, as they will be a time [s] from now."""
-    if time == 0:
+def _later(s: Any, time: float, behind: float) -> Any:
+    """The signals that count, as they will be a time [s] from now; the reference tire's place."""
+    if time == behind == 0:
         return s
+    place = s.position + behind
+    if time == 0:
+        return SimpleNamespace(**{**vars(s), "position": place})
     return SimpleNamespace(
-        position=s.position + time * s.speed,
+        position=place + time * s.speed,
         body_velocity=s.body_velocity + time * s.body_acceleration,
         axle_velocity=s.axle_velocity + time * s.axle_acceleration,
         suspension_velocity=s.suspension_velocity

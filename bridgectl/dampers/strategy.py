@@ -208,6 +208,20 @@ class Strategy:
         """
         return self
 
+    def for_leg(self, leg: int) -> Strategy:
+        """Return the law at a damper of a vehicle: itself, but for strategies that depend on it.
+
+        Parameters
+        ----------
+        leg : int
+            Which damper, counted from 1.
+
+        Returns
+        -------
+        Strategy
+        """
+        return self
+
     @property
     def kept(self) -> FloatArray | None:
         """Dampings [N s/m], the best of which a crossing keeps throughout; None of most."""

@@ -23,8 +23,8 @@ ROUNDS = 64
 class Noise:
     """White noise of each sample, of a standard `deviation` [m/s], by round of a plan.
 
-    A crossing's noise depends on the seed, its road from start to the `end` of the bridge [m] and
-    its speed: it is the same alone and beside others. Speeds [m/s] have the shape (S,), stations
+    A crossing's noise depends on the seed, its road from start to the `end` of the bridge [m], its
+    speed and the leg: it is the same alone and beside others. Speeds [m/s] have the shape (S,), stations
     and drops of the roads [m] the shapes (n,) and (n, R).
     """
 
@@ -37,13 +37,15 @@ class Noise:
         stations: FloatArray,
         drops: FloatArray,
         end: float,
+        leg: int = 0,
     ) -> None:
         self.deviation, self.plan = deviation, plan
         count = np.ceil((end - stations[0]) / PIECE - SAME_PLACE)  # not one more by round-off
         places = stations[0] + PIECE * np.arange(count)
         roads = [_digest(np.interp(places, stations, road)) for road in drops.T]
+        other = [leg] if leg else []
         self.streams = [
-            [np.random.default_rng([seed, _digest(speed), road]) for road in roads]
+            [np.random.default_rng([seed, _digest(speed), road, *other]) for road in roads]
             for speed in speeds
         ]
         self.drawn = np.zeros((0, 2, len(speeds), len(roads)))
