@@ -14,7 +14,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_damper
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.quarter_car import QuarterCar
-from bridgectl.model.vehicle import Vehicle
+from bridgectl.model.vehicle import Vehicle, with_dampings
 
 
 @dataclass(frozen=True)
@@ -143,9 +143,7 @@ def with_damping(
         return replace(vehicle, damping=damping)
     new = vehicle.damper_dampings.copy()
     new[slice(None) if legs is None else list(legs)] = damping
-    change, travels = new - vehicle.damper_dampings, vehicle.damper_map
-    matrix = vehicle.damping_matrix + travels.T @ (change[:, np.newaxis] * travels)
-    return replace(vehicle, damping_matrix=matrix, damper_dampings=new)
+    return with_dampings(vehicle, new)
 
 
 def require_dampers(vehicle: Vehicle | QuarterCar) -> None:

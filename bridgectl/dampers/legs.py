@@ -48,6 +48,32 @@ class Legs:
         count = np.maximum(self.tires.sum(axis=1), 1)
         return np.asarray(self.tires @ self.vehicle.tire_offsets / count)
 
+    @cached_property
+    def reading(self) -> FloatArray:
+        """Body and axle velocity, suspension velocity and travel, and what the accelerations of
+        body and axle owe to the states, one after the other, each of all legs: (6 D, n)."""
+        free = np.vstack([self.body, self.axle]) @ self.vehicle.state_matrix
+        return np.vstack([self.body, self.axle, self.rate, self.travel, free])
+
+    @cached_property
+    def per_tire(self) -> FloatArray:
+        """Accelerations of bodies, then axles, per tire force [1/kg], (2 D, T)."""
+        return np.asarray(np.vstack([self.body, self.axle]) @ self.vehicle.tire_input)
+
+    @cached_property
+    def per_damper(self) -> FloatArray:
+        """Accelerations of bodies, then axles, per damper force [1/kg], (2 D, D)."""
+        return np.asarray(np.vstack([self.body, self.axle]) @ self.vehicle.damper_input)
+
+    @cached_property
+    def _sums(self) -> FloatArray | None:
+        """Sums over the tires of each leg, (D, T); None where each leg has its own."""
+        return None if np.array_equal(self.tires, np.eye(*self.tires.shape)) else 1.0 * self.tires
+
+    def under(self, tires: FloatArray) -> FloatArray:
+        """Of values of tires (S, T, R) the sum over those under each leg, (S, D, R)."""
+        return tires if self._sums is None else self._sums @ tires
+
     @property
     def measured(self) -> FloatArray:
         """Rows of both ends' velocities of each leg, (D, 2, n)."""

@@ -96,7 +96,7 @@ class Taken(NamedTuple):
     later: FloatArray
     """u - r at middle and end [m]."""
     coefficients: FloatArray
-    """Dampings at the stages [N s/m], (S, 1 or 2, D, R)."""
+    """Dampings at the stages [N s/m], (S, 2 D, R), or (S, 1, R) of one that does not change."""
     forces: FloatArray
     """R - W and F at the stages [N], within their bounds."""
     tires: FloatArray
@@ -128,7 +128,8 @@ class Stepper:
         self.rows, linear = Rows.of_crossing(crossing), crossing.linear
         self.weights = linear.static_loads
         self.rates = linear.damper_map @ linear.velocities
-        self.lags = np.array([damper.lag or NO_LAG for damper in dampers.dampers])
+        lags = [damper.lag or NO_LAG for damper in dampers.dampers]
+        self.lags, self.lagging = np.array(lags)[:, np.newaxis], max(lags) > NO_LAG
         self.limits = np.array([damper.max_force for damper in dampers.dampers])
         # Columns that go with rows of forces at the stages, one after the other.
         self.stiffness, self.at_rest, most = (
@@ -167,21 +168,20 @@ class Stepper:
     ) -> Taken:
         """Solve a step; of cases, `roads` tells the road of each."""
         here, n_states, rows = len(now.force), steps.free.shape[-1], self.rows
-        duration = steps.durations[:here, k, np.newaxis, np.newaxis, np.newaxis]
+        duration = steps.durations[:here, k, np.newaxis, np.newaxis]
         road = self._road(steps, k, now.force.shape, roads)
         free = steps.free[:here, k] @ now.states[:, :n_states]
         forced = steps.forced[:here, k]
-        damping = self._lagged(now, duration * STAGES[:, np.newaxis, np.newaxis])
+        damping = self._at_stages(now, duration)
         known = free[:, : rows.damper.stop]
         known[:, rows.tire] -= road[:, rows.tire]
         values, forces = known, np.empty_like(known)
-        of_dampers = self._by_damper(forces[:, rows.damper])
         for attempt in range(SUBSTITUTIONS):
             if attempt:
                 values = forced[:, : rows.damper.stop] @ forces
                 values += known
             np.multiply(values[:, rows.tire], self.stiffness, out=forces[:, rows.tire])
-            np.multiply(self._by_damper(values[:, rows.damper]), damping, out=of_dampers)
+            np.multiply(values[:, rows.damper], damping, out=forces[:, rows.damper])
             bounds.apply(forces, rows)
         free[:, rows.damper.stop :] += forced[:, rows.damper.stop :] @ forces
         later = free[:, rows.later]
@@ -193,15 +193,11 @@ class Stepper:
         pulling += self.at_rest
         np.maximum(tires, 0.0, out=tires)
         tires = tires.reshape(here, len(POINTS), -1, forces.shape[2])
-        end = self._lagged(now, duration)[:, 0]
+        end = self._lagged(now, duration)
         return Taken(
             values, later, damping, forces, tires, _over_points(np.minimum, tires),
             free[:, MOMENT], free[:, rows.states : rows.states + n_states - 1], end,
         )  # fmt: skip
-
-    def _by_damper(self, rows: FloatArray) -> FloatArray:
-        """Rows of the dampers at the stages (S, 2 D, R), seen as (S, 2, D, R)."""
-        return rows.reshape(len(rows), 2, -1, rows.shape[2])
 
     def _accept(self, now: Ends, steps: Steps, k: int, taken: Taken, *, on_bridge: bool) -> None:
         """Let a step count: states, forces, moment and what is gathered of them."""
@@ -209,17 +205,15 @@ class Stepper:
         now.states[:, 1 : 1 + taken.states.shape[1]] = taken.states
         now.force[:] = taken.tires[:, -1]
         np.minimum(now.least, taken.least, out=now.least)
-        of_dampers = (self._by_damper(of[:, self.rows.damper]) for of in (taken.forces, taken.stages))
-        power = np.einsum("sidr,sidr->sdr", *of_dampers)
+        each, count = self.rows.damper, len(self.limits)
+        power = taken.forces[:, each] * taken.stages[:, each]
+        power = power[:, :count] + power[:, count:]
         now.energy += steps.durations[:here, k, np.newaxis, np.newaxis] / 2 * power
         now.damping[:] = taken.damping
         if on_bridge:
-            tires = taken.tires
-            tires *= steps.influence[:here, k]
-            moment = tires[:, :, 0]
-            for tire in range(1, tires.shape[2]):
-                moment += tires[:, :, tire]
-            moment += taken.moment
+            moment, influence = taken.moment, steps.influence[:here, k]
+            for tire in range(len(self.weights)):
+                moment += taken.tires[:, :, tire] * influence[:, :, tire]
             counted = steps.counted[:here, k, np.newaxis]
             if counted.any():
                 _raise_peak(now.peak, now.moment, moment, counted)
@@ -292,10 +286,10 @@ class Stepper:
 
     def _damper_forces(self, now: Ends, taken: Taken) -> FloatArray:
         """F at `DAMPER_NODES` without their limits [N], (S, 4, D, R)."""
-        stages = taken.coefficients * self._by_damper(taken.stages[:, self.rows.damper])
+        stages, count = taken.coefficients * taken.stages[:, self.rows.damper], len(self.limits)
         start = now.damping * self.velocity(now.states[:, 1:])
         end = taken.damping * self.velocity(taken.states)
-        return np.stack([start, stages[:, 0], stages[:, 1], end], axis=1)
+        return np.stack([start, stages[:, :count], stages[:, count:], end], axis=1)
 
     def _limited(self, forces: FloatArray) -> FloatArray:
         """Sign of dampers' forces (..., D, R) that are beyond the limit, 0 of others."""
@@ -320,13 +314,20 @@ class Stepper:
         limits = self.limits[:, np.newaxis]
         return np.clip(force, -limits, limits) if self.limiting else force
 
+    def _at_stages(self, now: Ends, durations: FloatArray) -> FloatArray:
+        """Dampings at the stages of steps, (S, 2 D, R), or (S, 1, R)."""
+        if self.lagging:
+            each = [self._lagged(now, durations * stage) for stage in STAGES]
+            return np.concatenate(each, axis=1)
+        one = now.damping.shape[1] == 1
+        return now.damping if one else np.concatenate([now.damping, now.damping], axis=1)
+
     def _lagged(self, now: Ends, durations: FloatArray) -> FloatArray:
-        """Dampings some durations (S, m, 1, 1) after the last known one, (S, m or 1, D, R)."""
-        damping = now.damping[:, np.newaxis]
-        if np.all(self.lags == NO_LAG):
-            return damping
-        command = now.command[:, np.newaxis]
-        return command + (damping - command) * np.exp(-durations / self.lags[:, np.newaxis])
+        """Dampings some durations (S, 1, 1) after the last known ones, (S, D, R)."""
+        if not self.lagging:
+            return now.damping
+        fading = np.exp(-durations / self.lags)
+        return np.asarray(now.command + (now.damping - now.command) * fading)
 
 
 def _raise_peak(

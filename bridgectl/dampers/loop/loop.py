@@ -62,6 +62,7 @@ class Loop:
     ) -> None:
         self.crossing, self.dampers, self.speeds = crossing, dampers, speeds
         self.legs, self.recorded = Legs(crossing.linear), recorded
+        self.every_speed = np.tile(speeds[:, np.newaxis, np.newaxis], (1, len(dampers.legs), 1))
         stations, elevations = level_beyond(crossing, stations, elevations)
         self.drops = drops_of(elevations)
         longest = longest_step(crossing, dampers.dampings, crossing.beam.n_modes)
@@ -197,29 +198,27 @@ class Loop:
     def _signals(self, now: Ends, k: int, first: NDArray[np.bool_]) -> dict[str, FloatArray]:
         """What controllers measure, by name: arrays (S, D, R), or (S, D, 1) for all roads alike."""
         n, here, legs = self.crossing.n_vehicle, len(now.force), self.legs
-        vehicle, linear = now.states[:, 1 : n + 1], self.crossing.linear
-        body, axle, velocity = legs.body @ vehicle, legs.axle @ vehicle, legs.rate @ vehicle
-        damper = self.stepper.damper_force(now.damping, velocity)
-        beyond = now.force - self.stepper.weights[:, np.newaxis]
-        rates = linear.state_matrix @ vehicle + linear.tire_input @ beyond
-        rates += linear.damper_input @ damper
-        accelerations = legs.body @ rates, legs.axle @ rates
+        found = legs.reading @ now.states[:, 1 : n + 1]
+        count = len(legs.rate)
+        body, axle, velocity, travel = (found[:, i * count : (i + 1) * count] for i in range(4))
+        rates, beyond = found[:, 4 * count :], now.force - self.stepper.weights[:, np.newaxis]
+        rates += legs.per_tire @ beyond
+        rates += legs.per_damper @ self.stepper.damper_force(now.damping, velocity)
         for leg, noise in enumerate(self.noises):
             if noise is not None:
                 drawn = noise.at(k, now.peak.shape)
                 body[:, leg] += drawn[0]
                 axle[:, leg] += drawn[1]
                 velocity[:, leg] = body[:, leg] - axle[:, leg]
-        change = legs.tires @ (now.force - now.sampled_force) / self.dampers.sample_time
+        change = legs.under(now.force - now.sampled_force) / self.dampers.sample_time
         change[first] = 0.0
         place = self.plan.edges[:here, k, :1] - legs.offsets
         return {
-            "body_velocity": body, "axle_velocity": axle, "suspension_travel": legs.travel @ vehicle,
+            "body_velocity": body, "axle_velocity": axle, "suspension_travel": travel,
             "suspension_velocity": velocity,
-            "body_acceleration": accelerations[0], "axle_acceleration": accelerations[1],
-            "tire_force": legs.tires @ now.force, "tire_force_rate": change,
-            "position": place[..., np.newaxis],
-            "speed": np.broadcast_to(self.speeds[:here, np.newaxis, np.newaxis], (*place.shape, 1)),
+            "body_acceleration": rates[:, :count], "axle_acceleration": rates[:, count:],
+            "tire_force": legs.under(now.force), "tire_force_rate": change,
+            "position": place[..., np.newaxis], "speed": self.every_speed[:here],
         }  # fmt: skip
 
     @staticmethod
