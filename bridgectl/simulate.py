@@ -302,8 +302,8 @@ def ramp_surface(
         'propagator': all ramps from one propagation, factored. 'control': one
         `control.input_output_response` for each ramp and speed, slow, for comparison.
     damper : bridgectl.dampers.Damper or Strategy, or a list or dict of them, optional
-        See `crossing_response`. If it is semi-active, its responses do not superpose: the surface has a DAE, which then is an estimate twice over, and no superposed
-        DAF.
+        See `crossing_response`. If it is semi-active, its responses do not superpose: the surface
+        has a DAE, which then is an estimate twice over, and no superposed DAF.
     progress : bool, optional
         Whether 'control' shows a progress bar on a terminal.
 
@@ -354,7 +354,7 @@ def ramp_surface(
         if left is not None:
             from bridgectl.dampers.loop.damped import damped_surface
 
-            return damped_surface(crossing, left, c, grid)
+            return damped_surface(crossing, left, c, grid, devices.name)
     return linear_surface(crossing, c, grid, method, progress)
 
 

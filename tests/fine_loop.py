@@ -94,9 +94,7 @@ class FineLoop:
         return np.sin(np.multiply.outer(self.wave, place)) * on_bridge
 
     def _drop(self, x):
-        return self.road.elevation[0] - np.interp(
-            self._places(x), self.road.x, self.road.elevation
-        )
+        return self.road.elevation[0] - np.interp(self._places(x), self.road.x, self.road.elevation)
 
     def _split(self, y):
         n, m = len(self.parts.mass), len(self.wave)
@@ -152,7 +150,10 @@ class FineLoop:
         parts, (u, v, *_) = self.parts, self._split(y)
         forces = np.clip(self._wanted(self.dampings, y), -self.limits, self.limits)
         a = self._rates(t, y, tires, forces)[len(u) : 2 * len(u)]
-        rows = zip(self.laws, parts.bodies, parts.axles, parts.legs, tires, rates, parts.behind)
+        rows = zip(
+            self.laws, parts.bodies, parts.axles, parts.legs, tires, rates, parts.behind,
+            strict=True,
+        )  # fmt: skip
         self.command = np.array(
             [
                 law.command(
@@ -177,9 +178,28 @@ class FineLoop:
         fading = np.where(self.lags > 0, np.exp(-(t - self.sampled) / late), 0.0)
         return self.command + (self.dampings - self.command) * fading
 
+    def _turn(self, i, sign):
+        """The event in which a tire leaves or meets the road."""
+
+        def margin(t, y):
+            return self._would_be(t, y)[i]
+
+        margin.terminal, margin.direction = True, sign
+        return margin
+
+    def _meet(self, i, side):
+        """The event in which a damper's force meets its limit, or comes back from it."""
+
+        def margin(t, y):
+            force = self._wanted(self._lagging(t), y)[i]
+            return side * force - self.limits[i] if side else self.limits[i] - abs(force)
+
+        margin.terminal, margin.direction = True, -1
+        return margin
+
     def _smooth_road(self, begin, stop, y):
         """From event to event."""
-        limits = self.limits
+        limits, limited = self.limits, np.flatnonzero(self.limits < np.inf)
 
         def wanted(t, y):
             return self._wanted(self._lagging(t), y)
@@ -193,24 +213,8 @@ class FineLoop:
                 at = np.where(held != 0, held, 0) * np.where(held != 0, limits, 0)
                 return self._rates(t, y, tires, np.where(held != 0, at, wanted(t, y)))
 
-            def turn(i, sign):
-                def margin(t, y):
-                    return self._would_be(t, y)[i]
-
-                margin.terminal, margin.direction = True, sign
-                return margin
-
-            def meet(i, side):
-                def margin(t, y):
-                    force = wanted(t, y)[i]
-                    return side * force - limits[i] if side else limits[i] - abs(force)
-
-                margin.terminal, margin.direction = True, -1
-                return margin
-
-            limited = np.flatnonzero(limits < np.inf)
-            events = [turn(i, -1 if on else 1) for i, on in enumerate(touching)]
-            events += [meet(i, held[i]) for i in limited]
+            events = [self._turn(i, -1 if on else 1) for i, on in enumerate(touching)]
+            events += [self._meet(i, held[i]) for i in limited]
             found = solve_ivp(
                 rates, (begin, stop), y, method="DOP853", rtol=self.tolerance,
                 atol=self.tolerance * 1e-4, events=events, dense_output=True,

@@ -64,6 +64,19 @@ def random_case(seed: int) -> dict:
     }
 
 
+def without_dampers() -> bc.Vehicle:
+    """The paper's truck with a passive damper in whose place none can be put."""
+    truck = bc.li2006.car().linear
+    return dataclasses.replace(
+        truck, damper_map=np.zeros((0, 2)), damper_axles=None, damper_dampings=None,
+        damper_names=None,
+    )  # fmt: skip
+
+
+NO_DAMPERS = "vehicle must have dampers that can be controlled: type damper_map"
+"""What is told of it."""
+
+
 def law_of_crossing(damper, beam, car, speed, road, leg=1):
     """The law at a speed and a leg, with the gains that are set for this crossing."""
     crossing = bc.Crossing(beam, bare_vehicle(car))

@@ -175,7 +175,15 @@ def test_with_preview_a_road_with_a_ramp_is_not_the_level_one_before_it():
     crossing = bc.Crossing(BEAM, bare_vehicle(CAR))
     roads = np.vstack([np.zeros((1, X.size)), 5e-3 * (X > 6)])
     found = [
-        Loop(crossing, fitted(looking(), CAR), np.array([SPEED]), X, roads, ("damping",), begins=begins)
+        Loop(
+            crossing,
+            fitted(looking(), CAR),
+            np.array([SPEED]),
+            X,
+            roads,
+            ("damping",),
+            begins=begins,
+        )
         for begins in (np.array([X[0], 6.0]), None)
     ]
     fast, slow = (loop.run() for loop in found)

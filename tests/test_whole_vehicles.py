@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 from fine_loop import FineLoop
@@ -11,7 +9,7 @@ from helpers import rough_road
 
 import bridgectl as bc
 from bridgectl import dampers
-from bridgectl.dampers import Damper, passive, simulate_loop, skyhook
+from bridgectl.dampers import Damper, simulate_loop
 
 SOFT, STIFF = 1e3, 30e3
 

@@ -128,8 +128,8 @@ def test_what_studies_need_is_not_refused_and_takes_no_word(truck):
     stations = -60 + 0.1 * np.arange(851)
     bare = bc.Crossing(bc.li2006.beam(), bare_vehicle(truck))
     require_loop(
-        bare, [fitted(SKYHOOK, truck)] * 20, speeds[::10], stations, 1000, n_ramps=850, n_recorded=3,
-        at_once=50, announced=False,
+        bare, [fitted(SKYHOOK, truck)] * 20, speeds[::10], stations, 1000, n_ramps=850,
+        n_recorded=3, at_once=50, announced=False,
     )  # fmt: skip
 
 

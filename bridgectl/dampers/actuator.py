@@ -128,10 +128,10 @@ def bare_vehicle(
     if isinstance(vehicle, QuarterCar):
         return replace(vehicle, damping=0.0)
     some = list(range(len(vehicle.damper_map)) if legs is None else legs)
-    bare = with_damping(vehicle, 0.0, some)
+    bare = with_damping(vehicle, 0.0, some).linear
     return replace(
         bare, damper_map=bare.damper_map[some], damper_axles=bare.damper_axles[some],
-        damper_dampings=np.zeros(len(some)), damper_names=[bare.damper_names[k] for k in some],
+        damper_dampings=np.zeros(len(some)), damper_names=tuple(bare.damper_names[k] for k in some),
     )  # fmt: skip
 
 

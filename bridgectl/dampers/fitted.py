@@ -9,15 +9,19 @@ from typing import Any
 import numpy as np
 
 from bridgectl._checks import FloatArray
-from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle, require_dampers, with_damping
+from bridgectl.dampers.actuator import (
+    Damper,
+    as_damper,
+    bare_vehicle,
+    require_dampers,
+    with_damping,
+)
+from bridgectl.dampers.laws import passive
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.model.vehicle_effects import BodyAcceleration
-
-Dampers = Damper | Strategy | Sequence[Damper | Strategy | None] | Mapping[str, Damper | Strategy]
-"""One damper for all legs, one for each in the vehicle's order, or some by name."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +53,7 @@ class Fitted:
     def kept(self) -> FloatArray | None:
         """Dampings [N s/m], the best of which all legs keep: see `Damper.kept`."""
         every = [damper.kept for damper in self.dampers]
-        same = all(own is not None and np.array_equal(own, every[0]) for own in every)
-        return every[0] if same else None
+        return every[0] if _alike(every) else None
 
     @property
     def constant(self) -> float | None:
@@ -83,8 +86,38 @@ class Fitted:
         return replace(crossing, vehicle=vehicle), rest
 
 
+def _alike(dampings: Sequence[FloatArray | None]) -> bool:
+    """Whether all are the same dampings."""
+    first = dampings[0]
+    return first is not None and all(
+        own is not None and np.array_equal(own, first) for own in dampings
+    )
+
+
+Dampers = (
+    Damper
+    | Strategy
+    | Sequence[Damper | Strategy | None]
+    | Mapping[str, Damper | Strategy]
+    | Fitted
+)
+"""One damper for all legs, one for each in the vehicle's order, some by name, or fitted ones."""
+
+
+def fitted_everywhere(dampers: Any, vehicle: Vehicle | QuarterCar) -> Fitted:
+    """Do as `fitted`, with passive dampers in the loop at the legs that keep theirs."""
+    found, own = fitted(dampers, vehicle), vehicle.linear.damper_dampings
+    every = dict(zip(found.legs, found.dampers, strict=True))
+    time = found.sample_time
+    for leg in set(range(len(own))) - set(every):
+        every[leg] = Damper(passive(float(own[leg])), sample_time=time)
+    return Fitted(tuple(sorted(every)), tuple(every[leg] for leg in sorted(every)))
+
+
 def fitted(dampers: Any, vehicle: Vehicle | QuarterCar) -> Fitted:
     """Check dampers, given as `Dampers`, and fit them to a vehicle."""
+    if isinstance(dampers, Fitted):
+        return dampers
     require_dampers(vehicle)
     names = vehicle.linear.damper_names
     if isinstance(dampers, Mapping):
@@ -133,8 +166,7 @@ def _require_one_clock(dampers: Sequence[Damper]) -> None:
         )
     switching = [damper for damper in dampers if damper.kept is None or len(damper.kept) > 1]
     kept = [damper.strategy.kept for damper in switching]
-    several = [own for own in kept if own is not None and len(own) > 1]
-    if several and not all(own is not None and np.array_equal(own, kept[0]) for own in kept):
+    if any(own is not None and len(own) > 1 for own in kept) and not _alike(kept):
         raise ValueError(
             "a preset damper knows no other that is not constant beside it: type the same preset "
             "for all of them"

@@ -50,8 +50,10 @@ class Legs:
 
     @cached_property
     def reading(self) -> FloatArray:
-        """Body and axle velocity, suspension velocity and travel, and what the accelerations of
-        body and axle owe to the states, one after the other, each of all legs: (6 D, n)."""
+        """Body, axle and suspension velocity, travel, and what accelerations owe to the states.
+
+        One after the other, each of all legs, the accelerations of bodies and axles: (6 D, n).
+        """
         free = np.vstack([self.body, self.axle]) @ self.vehicle.state_matrix
         return np.vstack([self.body, self.axle, self.rate, self.travel, free])
 

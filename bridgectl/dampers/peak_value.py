@@ -23,9 +23,10 @@ white (ISO 8608, waviness 2) its covariance is
     P' = A P + P A' + N N',  N = -1 for each displacement of the vehicle
 
 times a roughness that does not matter, and E[dz | m] = P C' (C P C')^-1 m. Of a vehicle on several
-tires N has a column for each, the displacements that its road gives the vehicle at rest, as if each
-had a road of its own; every damper takes off its part of V, and each has a worth. Such a road is as likely
-to rise as to fall, so that the expected road ahead is level: that is all of it that is known.
+tires N has a column for each, the displacements that its road gives the vehicle at rest, as if it
+had a road of its own; every damper takes off its part of V, and each has a worth. Such roads are
+as likely to rise as to fall, so that what is to be expected ahead is level, and is all that is
+known.
 """
 
 from __future__ import annotations
@@ -65,6 +66,7 @@ changes the mean over speeds by less than 0.003.
 
 LEAST = -200.0
 """Least logarithm of a weight: after a sharp peak the sum of the others must not vanish."""
+
 
 class PeakValue(NamedTuple):
     """Worth of a damper force dV / dF = constant + body y_s' + axle y_t', by place.
@@ -127,20 +129,19 @@ def peak_values(
     before = check.not_negative("reach", reach, unit="m")
     known, bridge = smooth_crossing(crossing, c, before)
     nodes, entry, measured = known.positions, known.entry, _measured(crossing)
-    to_states = _expected(crossing, measured, known.transitions[entry:], known.durations[entry:])
+    to_states = _expected(crossing, known.transitions[entry:], known.durations[entry:])
     moments = effect_samples(crossing, bridge)[0, :: len(SAMPLES)]
     sweep = _Backward(known, moments, beta, curvature)
     durations = np.gradient(nodes) / c
-    constant, gains = np.zeros((len(nodes), len(measured))), np.zeros((len(nodes), *measured.shape[:2]))
+    gains = np.zeros((len(nodes), *measured.shape[:2]))
+    constant = np.zeros(gains.shape[:2])
     for k in range(len(nodes) - 1, -1, -1):
         sweep.step_back(k, durations[k])
         constant[k], per_state = sweep.worth(k)
         gains[k] = np.einsum("dn,dnm->dm", per_state, to_states[max(k - entry, 0)])
     smooth = np.einsum("dmn,kn->kdm", measured, bridge.states[0])
     constant[entry:] -= (gains[entry:] * smooth).sum(axis=2)
-    return [
-        PeakValue(nodes, constant[:, leg], *gains[:, leg].T) for leg in range(len(measured))
-    ]
+    return [PeakValue(nodes, constant[:, leg], *gains[:, leg].T) for leg in range(len(measured))]
 
 
 def peak_value(*case: Any, leg: int = 1, **options: Any) -> PeakValue:
@@ -196,11 +197,9 @@ def _at_rest(vehicle: Vehicle) -> FloatArray:
     return np.linalg.solve(vehicle.stiffness_matrix + springs @ vehicle.tire_map, springs)
 
 
-def _expected(
-    crossing: Crossing, measured: FloatArray, steps: FloatArray, durations: FloatArray
-) -> FloatArray:
+def _expected(crossing: Crossing, steps: FloatArray, durations: FloatArray) -> FloatArray:
     """E[dz | m] per measured velocity of each leg, at the nodes on the bridge, (C + 1, D, n, 2)."""
-    vehicle, n = crossing.linear, crossing.n_vehicle
+    vehicle, n, measured = crossing.linear, crossing.n_vehicle, _measured(crossing)
     slopes = np.zeros((crossing.n_states, vehicle.n_tires))
     slopes[:n:2] = -_at_rest(vehicle)
     noise = slopes @ slopes.T

@@ -74,8 +74,9 @@ class Sensitivity(NamedTuple):
 
 @on_one_thread
 def program_sensitivity(
-    beam: BridgeModel, vehicle: Vehicle | QuarterCar, speed: float, positions: ArrayLike, dampings: ArrayLike,
-    stations: ArrayLike, elevations: ArrayLike, *, section: float = 0.5, recovery: str = "exact",
+    beam: BridgeModel, vehicle: Vehicle | QuarterCar, speed: float, positions: ArrayLike,
+    dampings: ArrayLike, stations: ArrayLike, elevations: ArrayLike, *, section: float = 0.5,
+    recovery: str = "exact",
 ) -> Sensitivity:  # fmt: skip
     """Return the DAF of roads with a damping program, and its gradient.
 

@@ -268,7 +268,7 @@ class Stepper:
         turning = np.zeros(now.peak.shape, dtype=bool)
         if min(now.force.min(), taken.least.min()) <= 0:
             off = np.concatenate([now.force[:, np.newaxis], taken.tires], axis=1) <= 0
-            turning |= (off.any(axis=1) & ~off.all(axis=1)).any(axis=1)
+            turning |= np.any(off.any(axis=1) & ~off.all(axis=1), axis=1)
         if self.limiting:
             limited = self._limited(self._damper_forces(now, taken))
             turning |= (limited[:, 1:] != limited[:, :1]).any(axis=(1, 2))

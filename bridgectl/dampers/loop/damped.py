@@ -59,7 +59,8 @@ def damped_response(
     loop = Loop(crossing, dampers, speeds, x, _elevations(run, x))
     places: list[float] = [x[0]]
     states: list[FloatArray] = [np.zeros(crossing.n_states)]
-    forces, dampings = [loop.stepper.weights], [np.zeros(len(dampers.legs))]
+    forces: list[FloatArray] = [loop.stepper.weights]
+    dampings: list[FloatArray] = [np.zeros(len(dampers.legs))]
 
     def keep(now: Ends, place: float) -> None:
         places.append(place)
@@ -96,10 +97,13 @@ class RampsAndRoads(NamedTuple):
 
 
 def damped_surface(
-    crossing: Crossing, dampers: Fitted, speeds: FloatArray, grid: RampGrid
+    crossing: Crossing, dampers: Fitted, speeds: FloatArray, grid: RampGrid, name: str
 ) -> RampSurface:
-    """Return the surface of a damper that is not constant: see `bridgectl.ramp_surface`."""
-    histories = FeedbackHistories(dampers.name)
+    """Return the surface of dampers that are not constant: see `bridgectl.ramp_surface`.
+
+    It is called by the name of all dampers, constant ones too.
+    """
+    histories = FeedbackHistories(name)
     if dampers.kept is not None:
         smooth, ramps = _best_kept(crossing, dampers, speeds, grid)
         return grid.surface(crossing, speeds, smooth, ramps, histories)
@@ -124,9 +128,8 @@ def _best_kept(
 ) -> tuple[FloatArray, FloatArray]:
     """DAFs of the smooth road and of ramps, of the best of dampings that a crossing keeps."""
     dense = replace(grid, every=1)
-    vehicles = [
-        with_damping(crossing.vehicle, float(c), dampers.legs) for c in np.atleast_1d(dampers.kept)
-    ]
+    kept = [] if dampers.kept is None else dampers.kept.tolist()
+    vehicles = [with_damping(crossing.vehicle, c, dampers.legs) for c in kept]
     surfaces = [linear_surface(replace(crossing, vehicle=v), speeds, dense) for v in vehicles]
     lowest = np.min if crossing.orientation > 0 else np.max
     names = ("daf_unit", "daf_rise")[: len(grid.heights)]

@@ -27,6 +27,9 @@ GRAZING = 1e-3
 MOST = 50
 """Events of one step: a force that grazes its bound more often is left to the Gauss points."""
 
+UNREACHED = 1e30
+"""Limit [N] of a damper without one, beside others that have."""
+
 HALVINGS = 40
 """Of the interval that an event is in: to the last digit."""
 
@@ -89,6 +92,7 @@ class Regime(NamedTuple):
             return np.concatenate([found, np.full(self.limited.shape, np.inf)], axis=1)
         # Of a free force both limits: their lesser would have a kink where the force is zero.
         held, sign = (self.limited != 0)[:, np.newaxis], self.limited[:, np.newaxis]
+        limits = np.minimum(limits, UNREACHED)
         below = np.where(held, sign * dampers - limits, limits - dampers)
         above = np.where(held, below, limits + dampers)
         meets = np.minimum(*(_first_sign_changes(DAMPER_NODES, m) for m in (below, above)))

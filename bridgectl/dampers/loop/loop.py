@@ -87,9 +87,10 @@ class Loop:
             own |= bool(gains) or damper.velocity_noise > 0 or law.preview.size > 0
             noise = None
             if damper.velocity_noise:
-                roads = stations, self.drops, crossing.beam.length
-                of_damper = damper.seed, damper.velocity_noise
-                noise = Noise(*of_damper, self.plan, speeds, *roads, leg)
+                noise = Noise(
+                    damper.seed, damper.velocity_noise, self.plan, speeds, stations, self.drops,
+                    crossing.beam.length, leg,
+                )  # fmt: skip
             self.noises.append(noise)
         self.begins = every if begins is None or own else begins
         strategies = [damper.strategy for damper in dampers.dampers]

@@ -23,9 +23,9 @@ ROUNDS = 64
 class Noise:
     """White noise of each sample, of a standard `deviation` [m/s], by round of a plan.
 
-    A crossing's noise depends on the seed, its road from start to the `end` of the bridge [m], its
-    speed and the leg: it is the same alone and beside others. Speeds [m/s] have the shape (S,), stations
-    and drops of the roads [m] the shapes (n,) and (n, R).
+    A crossing's noise depends on the seed, the leg, its speed and its road from start to the `end`
+    of the bridge [m]: it is the same alone and beside others. Speeds [m/s] have the shape (S,),
+    stations and drops of the roads [m] the shapes (n,) and (n, R).
     """
 
     def __init__(

@@ -1,9 +1,10 @@
 """Steps of a crossing with a damper in the loop: where they begin and end, and their matrices.
 
-Between samples of the controller a crossing is cut where a tire meets the stations of the road, the
-section and the ends of the bridge. Within a step vehicle and modes move freely and exactly; tire
-forces R and damper forces F are straight lines through two Gauss points (the stages), and the road
-under a tire is one too. With u = y_t - v at the stages and w = y_s' - y_t', of each tire and damper,
+Between samples of the controller a crossing is cut where a tire meets stations of the road, the
+section or an end of the bridge. Within a step vehicle and modes move freely and exactly; tire
+forces R and damper forces F are straight lines through two Gauss points (the stages), and the
+road under a tire is one too. With u = y_t - v at the stages and w = y_s' - y_t', of each tire and
+damper,
 
     u = u_free + C_uR (R - W) + C_uF F,    R - W = max(-W, K_t (u - r)),     Eq. (2)
     w = w_free + C_wR (R - W) + C_wF F,    F = c w

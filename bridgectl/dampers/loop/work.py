@@ -31,9 +31,9 @@ def require_loop(
 ) -> None:
     """Refuse closed-loop crossings that are too much work, one run for each of `dampers`.
 
-    The crossing is of the vehicle without its own dampers, at speeds [m/s], over roads with stations
-    [m]: so many roads, `at_once` in a run (by default all), unit ramps beside them once, and
-    recorded histories of each road. `announced` tells whether long work needs a word.
+    The crossing is of the vehicle without what they replace, at speeds [m/s], over roads with
+    stations [m]: so many roads, `at_once` in a run (by default all), unit ramps beside them once,
+    and recorded histories of each road. `announced` tells whether long work needs a word.
     """
     dense = min(dampers, key=lambda damper: damper.sample_time)
     stiffest = max(float(damper.dampings.max()) for damper in dampers)
