@@ -174,7 +174,7 @@ def test_an_interrupted_run_goes_on_where_it_stopped(roads, board, tmp_path, mon
     def interrupted(study, damper, first):
         if len(done) == 4:  # of each strategy there are roads, and their class
             raise KeyboardInterrupt
-        done.append(damper.strategy.name)
+        done.append(damper.name)
         return whole(study, damper, first)
 
     monkeypatch.setattr(scoring, "_part", interrupted)

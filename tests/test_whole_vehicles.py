@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from fine_loop import FineLoop
@@ -9,7 +11,7 @@ from helpers import rough_road
 
 import bridgectl as bc
 from bridgectl import dampers
-from bridgectl.dampers import Damper, simulate_loop
+from bridgectl.dampers import Damper, passive, simulate_loop, skyhook
 
 SOFT, STIFF = 1e3, 30e3
 
@@ -116,3 +118,154 @@ def test_every_law_at_every_axle_is_its_fine_integration(truck, name, seed):
 def test_a_law_at_every_axle_is_its_fine_integration(truck, seed, name):
     found, fine, _ = compare(seed, truck, name)
     assert found.daf[0, 0] == pytest.approx(fine.peak, abs=2e-5)
+
+
+# Against quarter-cars
+
+
+@pytest.fixture(scope="module")
+def roads():
+    """Stations and two roads of class A, from 20 m before the bridge on."""
+    some = [bc.iso8608_profile("A", 45, seed=seed, start=-20) for seed in (1, 2)]
+    return some[0].x, np.array([road.elevation for road in some])
+
+
+@pytest.mark.parametrize("name", [*LAWS, "bridgehook", "passive", "clipped LQR"])
+def test_a_half_car_without_coupling_inertia_is_two_quarter_cars(bridge, roads, name):
+    """In open and closed loop, with a lag and a force limit, DAFs within 1e-9."""
+    half = half_car(np.random.default_rng(3))
+    cars = quarter_cars(half)
+    two = bc.convoy(cars, [0, half.tire_offsets[1]])
+    found = []
+    for vehicle in (half, two):
+        law = {
+            **LAWS, "passive": passive(9e3),
+            "bridgehook": dampers.bridgehook(bridge, vehicle, SOFT, STIFF),
+            "clipped LQR": dampers.clipped_lqr(vehicle, SOFT, STIFF),
+        }[name]  # fmt: skip
+        given = Damper(law, lag=0.01, max_force=3e3)
+        found.append(simulate_loop(bridge, vehicle, given, [20.0, 30.0], *roads).daf)
+    # Bridgehook's tables are computed in other coordinates, and a switch is a step of a sample.
+    assert found[0] == pytest.approx(found[1], abs=1e-6 if name == "bridgehook" else 1e-9)
+
+
+@pytest.mark.filterwarnings("ignore::bridgectl.PlausibilityWarning")  # a bridge of rock
+@pytest.mark.parametrize("law", [skyhook(SOFT, STIFF), dampers.tire_groundhook(SOFT, STIFF)])
+def test_on_rock_the_tires_of_a_half_car_have_the_forces_of_quarter_cars_on_their_own(roads, law):
+    """The peak of each tire force, which on a rigid bridge is that of one quarter-car: 1e-9."""
+    rock = bc.Beam(25.0, 18358.0, 1e19, n_modes=1)
+    half = half_car(np.random.default_rng(4))
+    x, z = roads[0], roads[1][0]
+    together = simulate_loop(rock, half, law, 25.0, x, z, record=["tire_force"])
+    for leg, car in enumerate(quarter_cars(half)):
+        alone = simulate_loop(rock, car, law, 25.0, x, z, record=["tire_force"])
+        late = half.tire_offsets[leg]
+        own = together.histories[0]["tire_force"][leg, 0]
+        single = alone.histories[0]["tire_force"][0]
+        times = x[0] / 25 + 2e-3 * np.arange(own.size) - late / 25
+        if leg == 0:  # the same samples
+            assert own[: single.size] == pytest.approx(single, rel=1e-9)
+        assert np.all(own[times < x[0] / 25] == pytest.approx(half.static_loads[leg], rel=1e-9))
+
+
+# Against the linear crossing
+
+
+@pytest.mark.parametrize("effect", ["moment", "tire_force_2", bc.Moment(8.0), bc.Deflection()])
+@pytest.mark.parametrize("truck", [half_car, five_axles])
+def test_constant_dampers_in_the_loop_are_the_linear_crossing(bridge, roads, truck, effect):
+    """A force limit that is never met keeps them in the loop: DAFs within 1e-5."""
+    vehicle = truck(np.random.default_rng(5))
+    road = bc.RoadProfile(roads[0], roads[1][0])
+    case = {"start": -20, "effect": effect}
+    each = [Damper(passive(c), max_force=1e9) for c in vehicle.damper_dampings]
+    looped = bc.daf(bridge, vehicle, [20.0, 30.0], road, damper=each, **case)
+    assert looped == pytest.approx(bc.daf(bridge, vehicle, [20.0, 30.0], road, **case), abs=1e-5)
+
+
+def test_constant_dampers_become_part_of_the_vehicle(bridge):
+    """Given by name, in a list, or for all legs: as a vehicle that was built with them."""
+    vehicle = half_car(np.random.default_rng(6), 3e4)
+    legs, before = vehicle.damper_map, np.diag(vehicle.damper_dampings)
+    other = dataclasses.replace(
+        vehicle, damping_matrix=vehicle.damping_matrix + legs.T @ (2e4 * np.eye(2) - before) @ legs
+    )
+    want = bc.daf(bridge, other, 25.0)
+    for given in (passive(2e4), [passive(2e4)] * 2, {"front": passive(2e4), "rear": passive(2e4)}):
+        assert bc.daf(bridge, vehicle, 25.0, damper=given) == pytest.approx(want, abs=1e-12)
+    surface = bc.ramp_surface(bridge, vehicle, 25.0, damper=passive(2e4))
+    assert surface.daf_smooth == pytest.approx(want, abs=1e-6)
+
+
+def test_a_leg_without_a_damper_of_its_own_keeps_its_passive_one(bridge, roads):
+    vehicle = half_car(np.random.default_rng(7), 3e4)
+    road = bc.RoadProfile(roads[0], roads[1][1])
+    front = {"start": -20, "damper": {"front": skyhook(SOFT, STIFF)}}
+    listed = {"start": -20, "damper": [skyhook(SOFT, STIFF), None]}
+    rear = Damper(passive(vehicle.damper_dampings[1]), max_force=1e9)
+    whole = {"start": -20, "damper": [skyhook(SOFT, STIFF), rear]}
+    one, two, three = (bc.daf(bridge, vehicle, 25.0, road, **of) for of in (front, listed, whole))
+    assert np.array_equal(one, two)
+    assert one == pytest.approx(three, abs=1e-6)
+    response = bc.crossing_response(bridge, vehicle, 25.0, road, **front)
+    forces = dict(zip(response.input_labels, response.inputs, strict=True))
+    assert np.ptp(forces["damper_force_1"]) > 0
+    assert not forces["damper_force_2"].any()
+    assert response.outputs["moment"].max() == pytest.approx(one[0], abs=1e-3)  # its samples
+
+
+# What users ask
+
+
+def test_a_surface_and_a_score_are_of_all_tires_and_legs(bridge):
+    vehicle = half_car(np.random.default_rng(8), 3e4)
+    roads = [bc.iso8608_profile("A", 35, seed=seed, start=-10) for seed in (1, 2)]
+    mixed = [skyhook(SOFT, STIFF), passive(9e3)]
+    board = bc.score(
+        [passive(9e3), mixed, dampers.bridgehook(bridge, vehicle, SOFT, STIFF)], bridge, vehicle,
+        roads, 25.0, approach=10, workers=1, progress=False,
+    )  # fmt: skip
+    assert board.strategies == ("passive 9 kN s/m", "skyhook, passive 9 kN s/m", "bridgehook")
+    want = [bc.daf(bridge, vehicle, 25.0, road, start=-10, damper=mixed)[0] for road in roads]
+    assert board.values["daf"][1, :, 0] == pytest.approx(want, abs=1e-6)
+    x = roads[0].x
+    each = simulate_loop(
+        bridge, vehicle, mixed, 25.0, x, roads[0].elevation,
+        record=["body_acceleration", "tire_force"],
+    ).histories[0]  # fmt: skip
+    worst = np.sqrt(np.mean(each["body_acceleration"][:, 0] ** 2, axis=1)).max()
+    assert board.values["body_acceleration"][1, 0, 0] == pytest.approx(worst, rel=0.01)
+    assert each["tire_force"].shape[0] == 2
+    surface = bc.ramp_surface(bridge, vehicle, 25.0, approach=10, every=50, damper=mixed)
+    drop = bc.RoadProfile([-10, -5, -4.9, 25], [0, 0, -1e-3, -1e-3])
+    unit = bc.daf(bridge, vehicle, 25.0, drop, start=-10, damper=mixed)
+    assert surface.daf_unit[0, 50] == pytest.approx(unit[0], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("damper", "error", "message"),
+    [
+        ([skyhook(SOFT, STIFF)], ValueError, "one for all 2 dampers of the vehicle, or a list"),
+        ([None, None], ValueError, "type None in the list where the passive one stays"),
+        ({"middle": skyhook(SOFT, STIFF)}, ValueError, "'front', 'rear', got 'middle'"),
+        ({}, ValueError, "'front', 'rear', got none"),
+        ([skyhook(SOFT, STIFF), 7e3], TypeError, "type bridgectl.dampers.passive"),
+        ([Damper(skyhook(SOFT, STIFF), sample_time=1e-3), skyhook(SOFT, STIFF)], ValueError,
+         r"the same sample_time, got \[0.001, 0.002\] s"),
+        ([dampers.preset(SOFT, STIFF), skyhook(SOFT, STIFF)], ValueError,
+         "type the same preset for all of them"),
+    ],
+)  # fmt: skip
+def test_each_mistake_is_named(bridge, damper, error, message):
+    vehicle = half_car(np.random.default_rng(9))
+    with pytest.raises(error, match=message):
+        bc.daf(bridge, vehicle, 25.0, damper=damper)
+
+
+def test_a_law_made_for_quarter_cars_refuses_a_leg_that_is_none(bridge):
+    """The lower end of the second damper is the body, as of a cab's."""
+    vehicle = half_car(np.random.default_rng(9))
+    cab = dataclasses.replace(vehicle, damper_axles=vehicle.damper_axles[[0, 0]] * [[1], [0]])
+    with pytest.raises(ValueError, match="damper 'rear' of the vehicle must carry a body"):
+        dampers.clipped_lqr(cab, SOFT, STIFF)
+    assert bc.daf(bridge, cab, 25.0, damper=skyhook(SOFT, STIFF)).shape == (1,)

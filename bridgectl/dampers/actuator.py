@@ -148,6 +148,11 @@ def with_damping(
 
 def require_dampers(vehicle: Vehicle | QuarterCar) -> None:
     """Refuse a vehicle that has no place for a controlled damper."""
+    if not isinstance(vehicle, Vehicle | QuarterCar):
+        raise TypeError(
+            "vehicle must be a bridgectl.Vehicle or QuarterCar, got "
+            f"{type(vehicle).__name__}: type for example bridgectl.li2006.car()"
+        )
     if not len(vehicle.linear.damper_map):
         raise ValueError(
             "vehicle must have dampers that can be controlled: type damper_map=..., one row each, "
