@@ -143,17 +143,18 @@ def test_a_half_car_without_coupling_inertia_is_two_quarter_cars(bridge, roads, 
             "bridgehook": dampers.bridgehook(bridge, vehicle, SOFT, STIFF),
             "clipped LQR": dampers.clipped_lqr(vehicle, SOFT, STIFF),
         }[name]  # fmt: skip
-        given = Damper(law, lag=0.01, max_force=3e3)
+        # Bridgehook has no dead band: what it does to a damper that is still is round-off, which a
+        # lag would keep until it moves.
+        given = Damper(law, lag=0.0 if name == "bridgehook" else 0.01, max_force=3e3)
         found.append(simulate_loop(bridge, vehicle, given, [20.0, 30.0], *roads).daf)
-    # Bridgehook's tables are computed in other coordinates, and a switch is a step of a sample.
-    assert found[0] == pytest.approx(found[1], abs=1e-6 if name == "bridgehook" else 1e-9)
+    assert found[0] == pytest.approx(found[1], abs=1e-9)
 
 
 @pytest.mark.filterwarnings("ignore::bridgectl.PlausibilityWarning")  # a bridge of rock
 @pytest.mark.parametrize("law", [skyhook(SOFT, STIFF), dampers.tire_groundhook(SOFT, STIFF)])
 def test_on_rock_the_tires_of_a_half_car_have_the_forces_of_quarter_cars_on_their_own(roads, law):
     """The peak of each tire force, which on a rigid bridge is that of one quarter-car: 1e-9."""
-    rock = bc.Beam(25.0, 18358.0, 1e19, n_modes=1)
+    rock = bc.Beam(25.0, 1e12, 1e19, n_modes=1)
     half = half_car(np.random.default_rng(4))
     x, z = roads[0], roads[1][0]
     together = simulate_loop(rock, half, law, 25.0, x, z, record=["tire_force"])
