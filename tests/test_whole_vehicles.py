@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+import control as ct
 import numpy as np
 import pytest
 from fine_loop import FineLoop
@@ -143,30 +144,28 @@ def test_a_half_car_without_coupling_inertia_is_two_quarter_cars(bridge, roads, 
             "bridgehook": dampers.bridgehook(bridge, vehicle, SOFT, STIFF),
             "clipped LQR": dampers.clipped_lqr(vehicle, SOFT, STIFF),
         }[name]  # fmt: skip
-        # Bridgehook has no dead band: what it does to a damper that is still is round-off, which a
-        # lag would keep until it moves.
         given = Damper(law, lag=0.0 if name == "bridgehook" else 0.01, max_force=3e3)
         found.append(simulate_loop(bridge, vehicle, given, [20.0, 30.0], *roads).daf)
-    assert found[0] == pytest.approx(found[1], abs=1e-9)
+    # Bridgehook has no dead band: what it commands a damper that is still, which counts in the
+    # sample in which that begins to move, is up to round-off.
+    assert found[0] == pytest.approx(found[1], abs=1e-6 if name == "bridgehook" else 1e-9)
 
 
 @pytest.mark.filterwarnings("ignore::bridgectl.PlausibilityWarning")  # a bridge of rock
 @pytest.mark.parametrize("law", [skyhook(SOFT, STIFF), dampers.tire_groundhook(SOFT, STIFF)])
 def test_on_rock_the_tires_of_a_half_car_have_the_forces_of_quarter_cars_on_their_own(roads, law):
-    """The peak of each tire force, which on a rigid bridge is that of one quarter-car: 1e-9."""
+    """Within 1e-6 of the static load: the steps are cut at other places."""
     rock = bc.Beam(25.0, 1e12, 1e19, n_modes=1)
-    half = half_car(np.random.default_rng(4))
+    half = dataclasses.replace(half_car(np.random.default_rng(4)), tire_offsets=[0.0, 4.0])
     x, z = roads[0], roads[1][0]
     together = simulate_loop(rock, half, law, 25.0, x, z, record=["tire_force"])
     for leg, car in enumerate(quarter_cars(half)):
         alone = simulate_loop(rock, car, law, 25.0, x, z, record=["tire_force"])
-        late = half.tire_offsets[leg]
         own = together.histories[0]["tire_force"][leg, 0]
         single = alone.histories[0]["tire_force"][0]
-        times = x[0] / 25 + 2e-3 * np.arange(own.size) - late / 25
-        if leg == 0:  # the same samples
-            assert own[: single.size] == pytest.approx(single, rel=1e-9)
-        assert np.all(own[times < x[0] / 25] == pytest.approx(half.static_loads[leg], rel=1e-9))
+        late = leg * 80  # samples of 2 ms
+        assert own[late : late + single.size] == pytest.approx(single, abs=0.06)  # newtons
+        assert own[:late] == pytest.approx(np.full(late, half.static_loads[leg]), abs=0.06)
 
 
 # Against the linear crossing
@@ -270,3 +269,29 @@ def test_a_law_made_for_quarter_cars_refuses_a_leg_that_is_none(bridge):
     with pytest.raises(ValueError, match="damper 'rear' of the vehicle must carry a body"):
         dampers.clipped_lqr(cab, SOFT, STIFF)
     assert bc.daf(bridge, cab, 25.0, damper=skyhook(SOFT, STIFF)).shape == (1,)
+
+
+def test_blocks_of_all_legs_in_the_control_library_are_the_loop(bridge):
+    """A crossing and a block a leg, interconnected; sampled 20 times as often: within 2e-4."""
+    vehicle = half_car(np.random.default_rng(10), 3e4)
+    law = dampers.continuous_skyhook(SOFT, STIFF, gain=15e3)
+    blocks = [law.system(25.0, vehicle=vehicle, leg=leg) for leg in (1, 2)]
+    crossing = bc.crossing_system(bridge, vehicle.undamped, 25.0)
+    loop = ct.interconnect(
+        [crossing, *blocks], inputs=["road_1", "road_2"], outputs=["moment", "damping_2"],
+        check_unused=False,
+    )  # fmt: skip
+    times = np.linspace(0, (25 + vehicle.tire_offsets[1]) / 25, 1201)
+    road = bc.RoadProfile([0, 5, 5.1, 30], [0, 0, -4e-3, -4e-3])
+    drops = np.array([road.drop(25 * times - d, 0.0) for d in vehicle.tire_offsets])
+    found = ct.input_output_response(
+        loop, times, drops, solve_ivp_kwargs={"rtol": 1e-7, "atol": 1e-10, "max_step": 1e-3}
+    )
+    fast = Damper(law, sample_time=1e-4)
+    want = bc.daf(bridge, vehicle, 25.0, road, damper=fast)[0]
+    assert found.outputs[0].max() == pytest.approx(want, abs=2e-4)
+    with pytest.raises(ValueError, match="leg must be one of the 2 dampers"):
+        law.system(25.0, vehicle=vehicle, leg=3)
+    groundhook = dampers.tire_groundhook(SOFT, STIFF).system(25.0, vehicle=vehicle, leg=2)
+    assert groundhook.output_labels == ["damper_force_2", "damping_2"]
+    assert "tire_force_2" in groundhook.input_labels

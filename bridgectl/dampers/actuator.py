@@ -12,6 +12,7 @@ import numpy as np
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_damper
+from bridgectl.dampers.legs import require_dampers
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle, with_dampings
@@ -144,18 +145,3 @@ def with_damping(
     new = vehicle.damper_dampings.copy()
     new[slice(None) if legs is None else list(legs)] = damping
     return with_dampings(vehicle, new)
-
-
-def require_dampers(vehicle: Vehicle | QuarterCar) -> None:
-    """Refuse a vehicle that has no place for a controlled damper."""
-    if not isinstance(vehicle, Vehicle | QuarterCar):
-        raise TypeError(
-            "vehicle must be a bridgectl.Vehicle or QuarterCar, got "
-            f"{type(vehicle).__name__}: type for example bridgectl.li2006.car()"
-        )
-    if not len(vehicle.linear.damper_map):
-        raise ValueError(
-            "vehicle must have dampers that can be controlled: type damper_map=..., one row each, "
-            "its travel by coordinates, and damper_dampings=... for passive ones that are part of "
-            "damping_matrix"
-        )

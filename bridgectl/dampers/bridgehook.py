@@ -32,9 +32,8 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.dampers.actuator import require_dampers
-from bridgectl.dampers.costate import REACH, Costate, checked_leg, costate
-from bridgectl.dampers.legs import Legs
+from bridgectl.dampers.costate import REACH, Costate, costate
+from bridgectl.dampers.legs import Legs, checked_leg, require_dampers
 from bridgectl.dampers.peak_value import PeakValue, peak_values
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel

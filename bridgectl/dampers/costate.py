@@ -10,7 +10,7 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
-from bridgectl.dampers.actuator import require_dampers
+from bridgectl.dampers.legs import checked_leg
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.prediction import Prediction, predict
 from bridgectl.linear.runs import Stretch, effect_samples, prepare, propagate
@@ -95,15 +95,6 @@ def costate(
     return costate_of(
         crossing, c, check.not_negative("reach", reach, unit="m"), checked_leg(vehicle, leg)
     )
-
-
-def checked_leg(vehicle: Vehicle | QuarterCar, leg: int) -> int:
-    """Check which damper of a vehicle is meant, counted from 1."""
-    require_dampers(vehicle)
-    count = len(vehicle.linear.damper_map)
-    if check.integer("leg", leg, at_least=1) > count:
-        raise ValueError(f"leg must be one of the {count} dampers of the vehicle, got {leg}")
-    return leg
 
 
 def costate_of(crossing: Crossing, speed: float, reach: float, leg: int = 1) -> Costate:

@@ -9,9 +9,7 @@ from typing import Any, ParamSpec
 
 import numpy as np
 
-from bridgectl.dampers.actuator import require_dampers
-from bridgectl.dampers.costate import checked_leg
-from bridgectl.dampers.legs import Legs
+from bridgectl.dampers.legs import Legs, checked_leg, require_dampers
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import GRAVITY, Vehicle
@@ -76,6 +74,13 @@ def corners(vehicle: Vehicle) -> list[QuarterCar]:
             "for none of these"
         )
     return [
-        QuarterCar(*(float(value) for value in of))
-        for of in zip(bodies, masses, springs, tires, vehicle.damper_dampings, strict=True)
+        QuarterCar(*of)
+        for of in zip(
+            bodies.tolist(),
+            masses.tolist(),
+            springs.tolist(),
+            tires.tolist(),
+            vehicle.damper_dampings.tolist(),
+            strict=True,
+        )  # fmt: skip
     ]

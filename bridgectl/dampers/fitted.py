@@ -13,10 +13,10 @@ from bridgectl.dampers.actuator import (
     Damper,
     as_damper,
     bare_vehicle,
-    require_dampers,
     with_damping,
 )
 from bridgectl.dampers.laws import passive
+from bridgectl.dampers.legs import require_dampers
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar

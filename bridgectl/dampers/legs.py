@@ -11,7 +11,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 
 
@@ -85,3 +87,27 @@ class Legs:
     def loads(self) -> FloatArray:
         """Static load of the tires under each leg [N], (D,)."""
         return np.asarray(self.tires @ self.vehicle.static_loads)
+
+
+def require_dampers(vehicle: Vehicle | QuarterCar) -> None:
+    """Refuse a vehicle that has no place for a controlled damper."""
+    if not isinstance(vehicle, Vehicle | QuarterCar):
+        raise TypeError(
+            "vehicle must be a bridgectl.Vehicle or QuarterCar, got "
+            f"{type(vehicle).__name__}: type for example bridgectl.li2006.car()"
+        )
+    if not len(vehicle.linear.damper_map):
+        raise ValueError(
+            "vehicle must have dampers that can be controlled: type damper_map=..., one row each, "
+            "its travel by coordinates, and damper_dampings=... for passive ones that are part of "
+            "damping_matrix"
+        )
+
+
+def checked_leg(vehicle: Vehicle | QuarterCar, leg: int) -> int:
+    """Check which damper of a vehicle is meant, counted from 1."""
+    require_dampers(vehicle)
+    count = len(vehicle.linear.damper_map)
+    if check.integer("leg", leg, at_least=1) > count:
+        raise ValueError(f"leg must be one of the {count} dampers of the vehicle, got {leg}")
+    return leg

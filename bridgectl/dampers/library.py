@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from bridgectl.dampers import laws
-from bridgectl.dampers.actuator import require_dampers
 from bridgectl.dampers.bridgehook import bridgehook
 from bridgectl.dampers.each_leg import at_each_leg
+from bridgectl.dampers.legs import require_dampers
 from bridgectl.dampers.lqr import clipped_lqr
 from bridgectl.dampers.preset import preset
 from bridgectl.dampers.strategy import Strategy

@@ -40,10 +40,10 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
-from bridgectl.dampers.actuator import require_dampers, with_damping
+from bridgectl.dampers.actuator import with_damping
 from bridgectl.dampers.costate import REACH, smooth_crossing
-from bridgectl.dampers.legs import Legs
-from bridgectl.dampers.strategy import damping_bounds
+from bridgectl.dampers.gains import damping_bounds
+from bridgectl.dampers.legs import Legs, require_dampers
 from bridgectl.linear.cells import SAMPLES
 from bridgectl.linear.prediction import Prediction
 from bridgectl.linear.runs import effect_samples

@@ -28,8 +28,11 @@ from bridgectl.dampers.gains import (
     checked_name,
     checked_preview,
     checked_states,
+    damping_bounds,
 )
+from bridgectl.dampers.legs import checked_leg
 from bridgectl.model.crossing import Crossing
+from bridgectl.model.vehicle import Vehicle
 
 SIGNALS = (
     "body_velocity",
@@ -209,12 +212,11 @@ class Strategy:
         return self
 
     def for_leg(self, leg: int) -> Strategy:
-        """Return the law at a damper of a vehicle: itself, but for strategies that depend on it.
+        """Return the law at a damper of a vehicle, counted from 1: see `for_speed`.
 
         Parameters
         ----------
         leg : int
-            Which damper, counted from 1.
 
         Returns
         -------
@@ -309,14 +311,15 @@ class Strategy:
         return at_sample(self.name, self.function, *columns)[0].reshape(shape)
 
     def system(
-        self, speed: float, *, rate_time: float = RATE_TIME, sample_time: float = SAMPLE_TIME
-    ) -> control.NonlinearIOSystem:
+        self, speed: float, *, rate_time: float = RATE_TIME, sample_time: float = SAMPLE_TIME,
+        vehicle: Vehicle | None = None, leg: int = 1,
+    ) -> control.NonlinearIOSystem:  # fmt: skip
         """Return the strategy as an I/O block for `control.interconnect` with a crossing.
 
         Parameters
         ----------
         speed : float
-            Speed c [m/s] of the crossing: position and speed are signals.
+            Speed c [m/s] of the crossing.
         rate_time : float, optional
             Time constant T [s] of the rate of the tire force, if the law measures it: (R - L) / T,
             where L' is that rate. The state L, 'lagged_tire_force' [N], starts best at the static
@@ -324,6 +327,10 @@ class Strategy:
         sample_time : float, optional
             Time T [s] in which a state x of the law moves to its next value x+: x' = (x+ - x) / T,
             for a short one as the sampled state does. `X0` tells where it starts.
+        vehicle : Vehicle, optional
+            The vehicle of the crossing, if it is no `QuarterCar`: each of its legs has a block.
+        leg : int, optional
+            Which of its dampers, counted from 1: outputs are then 'damper_force_1', 'damping_1'.
 
         Returns
         -------
@@ -357,7 +364,9 @@ class Strategy:
         >>> loop.nstates
         10
         """
-        return law_block(self.for_speed(speed), SIGNALS, speed, rate_time, sample_time)
+        own = self if vehicle is None else self.for_leg(checked_leg(vehicle, leg))
+        options = rate_time, sample_time, vehicle, leg
+        return law_block(own.for_speed(speed), SIGNALS, speed, *options)
 
     @property
     def used(self) -> list[str]:
@@ -390,14 +399,3 @@ class Strategy:
             If the file cannot be written.
         """
         return write_c(self.function, path)
-
-
-def damping_bounds(c_min: float, c_max: float) -> tuple[float, float]:
-    """Check bounds of the damping [N s/m]."""
-    soft = check.not_negative("c_min", c_min, unit="N s/m")
-    stiff = check.positive("c_max", c_max, unit="N s/m")
-    if soft > stiff:
-        raise ValueError(
-            f"c_min must not exceed c_max, got {soft:g} and {stiff:g} N s/m: swap them"
-        )
-    return soft, stiff

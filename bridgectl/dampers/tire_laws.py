@@ -124,7 +124,7 @@ def extended_groundhook(
         "suspension_damping": (suspension_damping, -1e6, 1e6),
         "tire_stiffness_change": (tire_stiffness_change, -1e8, 1e8),
         "travel_stiffness_change": (travel_stiffness_change, -1e8, 1e8),
-        **tire_gains(vehicle),
+        **tire_gains(require_quarter_car(vehicle)),
     }
 
     def force(s: Any, g: Any) -> Any:
@@ -185,7 +185,8 @@ def selective_groundhook(
     >>> law.command(tire_force=103.1e3, tire_force_rate=rates, suspension_velocity=0.1)
     array([ 1000., 30000.])
     """
-    quick = 2 * np.pi * invariant_frequencies(require_quarter_car(vehicle)).tire_force[-1]
+    car = require_quarter_car(vehicle)
+    quick = 2 * np.pi * invariant_frequencies(car).tire_force[-1]
     rate = quick if crossover is None else check.not_negative("crossover", crossover, unit="rad/s")
 
     def driver(s: Any, g: Any) -> Any:
@@ -194,14 +195,14 @@ def selective_groundhook(
 
     gains: Gains = {
         "crossover": (float(rate), 0.0, 1e3),
-        "static_load": tire_gains(vehicle)["static_load"],
+        "static_load": tire_gains(car)["static_load"],
     }
     return on_off("selective groundhook", driver, c_min, c_max, dead_band, gains)
 
 
 def tire_gains(vehicle: QuarterCar) -> Gains:
     """Return what turns a tire force into a deflection: W [N] and K_t [N/m], as gains."""
-    load = float(require_quarter_car(vehicle).linear.static_loads[0])
+    load = float(vehicle.linear.static_loads[0])
     return {"static_load": (load, 0.0, 1e7), "tire_stiffness": (vehicle.tire_stiffness, 1.0, 1e9)}
 
 

@@ -33,10 +33,11 @@ from bridgectl._warn import warn
 from bridgectl.dampers.actuator import Damper, with_damping
 from bridgectl.dampers.costate import costate_of
 from bridgectl.dampers.fitted import fitted
+from bridgectl.dampers.gains import damping_bounds
 from bridgectl.dampers.loop.damped import simulate_run
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.optimum.steps import Steps, join, march
-from bridgectl.dampers.strategy import Strategy, damping_bounds
+from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import prepare
 from bridgectl.model.bridge import BridgeModel
