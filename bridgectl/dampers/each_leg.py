@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Sequence
 from functools import wraps
-from typing import Any, ParamSpec
+from typing import Any, ParamSpec, cast
 
 import numpy as np
 
@@ -46,13 +46,13 @@ def at_each_leg(make: Callable[[QuarterCar], Strategy], vehicle: Vehicle | Quart
 
 def of_each_leg(law: Callable[P, Strategy]) -> Callable[P, Strategy]:
     """Let a law with the argument `vehicle` be made for any vehicle: see `at_each_leg`."""
-    signature = inspect.signature(law)
+    signature, of_car = inspect.signature(law), cast(Callable[..., Strategy], law)
 
     @wraps(law)
     def made(*args: P.args, **kwargs: P.kwargs) -> Strategy:
         bound = signature.bind(*args, **kwargs)
         vehicle: Any = bound.arguments["vehicle"]
-        return at_each_leg(lambda car: law(**{**bound.arguments, "vehicle": car}), vehicle)
+        return at_each_leg(lambda car: of_car(**{**bound.arguments, "vehicle": car}), vehicle)
 
     return made
 
@@ -73,14 +73,5 @@ def corners(vehicle: Vehicle) -> list[QuarterCar]:
             "tires for this law: check damper_axles and heave, or type skyhook(...), which asks "
             "for none of these"
         )
-    return [
-        QuarterCar(*of)
-        for of in zip(
-            bodies.tolist(),
-            masses.tolist(),
-            springs.tolist(),
-            tires.tolist(),
-            vehicle.damper_dampings.tolist(),
-            strict=True,
-        )  # fmt: skip
-    ]
+    parts = bodies, masses, springs, tires, vehicle.damper_dampings
+    return [QuarterCar(*of) for of in zip(*(part.tolist() for part in parts), strict=True)]

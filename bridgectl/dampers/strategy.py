@@ -47,7 +47,7 @@ SIGNALS = (
     "speed",
 )
 """What a strategy may measure: m/s, m/s, m, m/s, m/s^2, m/s^2, N, N/s, m from the bridge's start,
-m/s.
+m/s. Each leg of a vehicle has its own: of its ends, its tires (summed) and their place.
 
 Displacements are positive downward, the suspension's are body minus axle, as in the crossing. The
 rate of the tire force is its change since the last sample over the sample time (0 at the first).
@@ -106,9 +106,8 @@ class Strategy:
 
     >>> import casadi as ca
     >>> from bridgectl.dampers import Strategy
-    >>> def law(s, g):
-    ...     return ca.if_else(s.body_velocity < 0, g.c_max, g.c_min)
-    >>> lifting = Strategy("lifting", law, 1e3, 30e3)
+    >>> lifting = Strategy(
+    ...     "lifting", lambda s, g: ca.if_else(s.body_velocity < 0, g.c_max, g.c_min), 1e3, 30e3)
     >>> lifting
     Strategy('lifting', c from 1000 to 30000 N s/m)
     >>> lifting.command(body_velocity=[-0.1, 0.1])
