@@ -130,11 +130,12 @@ class Stepper:
         self.rates = linear.damper_map @ linear.velocities
         lags = [damper.lag or NO_LAG for damper in dampers.dampers]
         self.lags, self.lagging = np.array(lags)[:, np.newaxis], max(lags) > NO_LAG
+        self.of_lags = (STAGES[:, np.newaxis] / lags).reshape(-1, 1)
         self.limits = np.array([damper.max_force for damper in dampers.dampers])
-        # Columns that go with rows of forces at the stages, one after the other.
+        self.stiffnesses = linear.tire_stiffnesses
+        # What goes with rows of forces at the stages, one after the other.
         self.stiffness, self.at_rest, most = (
-            np.tile(each, 2)[:, np.newaxis]
-            for each in (linear.tire_stiffnesses, self.weights, self.limits)
+            _at_stages(each) for each in (self.stiffnesses, self.weights, self.limits)
         )
         self.limiting = bool((self.limits < np.inf).any())
         limit = most if self.limiting else None
@@ -281,8 +282,8 @@ class Stepper:
         n_tires = len(self.weights)
         # In the order of places: a stage, the middle, the other stage, the end.
         closer = [of[:, i : i + n_tires] for i in (0, n_tires) for of in (stages, later)]
-        found = self.stiffness[:n_tires] * np.stack(closer, axis=1)
-        return np.asarray(self.at_rest[:n_tires] + found)
+        found = self.stiffnesses[:, np.newaxis] * np.stack(closer, axis=1)
+        return np.asarray(self.weights[:, np.newaxis] + found)
 
     def _damper_forces(self, now: Ends, taken: Taken) -> FloatArray:
         """F at `DAMPER_NODES` without their limits [N], (S, 4, D, R)."""
@@ -316,11 +317,12 @@ class Stepper:
 
     def _at_stages(self, now: Ends, durations: FloatArray) -> FloatArray:
         """Dampings at the stages of steps, (S, 2 D, R), or (S, 1, R)."""
-        if self.lagging:
-            each = [self._lagged(now, durations * stage) for stage in STAGES]
-            return np.concatenate(each, axis=1)
-        one = now.damping.shape[1] == 1
-        return now.damping if one else np.concatenate([now.damping, now.damping], axis=1)
+        damping, command = now.damping, now.command
+        if damping.shape[1] > 1:
+            damping, command = (np.concatenate([of, of], axis=1) for of in (damping, command))
+        if not self.lagging:
+            return damping
+        return np.asarray(command + (damping - command) * np.exp(-durations * self.of_lags))
 
     def _lagged(self, now: Ends, durations: FloatArray) -> FloatArray:
         """Dampings some durations (S, 1, 1) after the last known ones, (S, D, R)."""
@@ -328,6 +330,12 @@ class Stepper:
             return now.damping
         fading = np.exp(-durations / self.lags)
         return np.asarray(now.command + (now.damping - now.command) * fading)
+
+
+def _at_stages(of: FloatArray) -> FloatArray:
+    """Values of tires or dampers, a column for both stages; one number, quicker, if all are it."""
+    same = np.all(of == of[0])
+    return np.array(of[0]) if same else np.tile(of, 2)[:, np.newaxis]
 
 
 def _raise_peak(
