@@ -83,12 +83,17 @@ class FactoredHistories:
 
     def _of_roads(self, speed: int, drops: FloatArray) -> Iterator[FloatArray]:
         """Histories of roads, block by block."""
+        here = np.pad(drops, ((0, 1), (0, 0)))[self.local]
+        for block, states in enumerate(self.states(speed, drops)):
+            yield self.rows[speed, block] @ states + self.direct[speed, block] @ here[block]
+
+    def states(self, speed: int, drops: FloatArray) -> Iterator[FloatArray]:
+        """States of roads at the start of each block beyond those of a smooth one, (n, n_roads)."""
         states = self.entry[speed] @ drops
-        drops = np.pad(drops, ((0, 1), (0, 0)))
-        for block, local in enumerate(self.local):
-            here = drops[local]
-            yield self.rows[speed, block] @ states + self.direct[speed, block] @ here
-            states = self.carried[speed, block] @ states + self.added[speed, block] @ here
+        here = np.pad(drops, ((0, 1), (0, 0)))[self.local]
+        for carried, added, own in zip(self.carried[speed], self.added[speed], here, strict=True):
+            yield states
+            states = carried @ states + added @ own
 
 
 class RampsApart:

@@ -113,7 +113,7 @@ def factor_histories(
 
     The ramps start at ``run.start``, `ramp_length` apart.
     """
-    nodes = run.nodes(float(speeds.min()))
+    nodes = run.nodes(float(speeds.min()), wide=True)
     entry = bridge_entry(nodes)
     nodes = nodes[entry:]
     # About as many blocks as cells in a block: both loops are then short. Cells beyond the exit
