@@ -24,9 +24,8 @@ from bridgectl.linear.modes import mode_responses
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.effect import EffectRows
 
-FINE_PHASE = 0.85
-"""Largest advance of phase of the fastest mode in a piece of a cell [rad]: its polynomial is within
-1e-10 then."""
+FINE_PHASE = 1.3
+"""Largest advance of phase of the fastest mode in a piece of a cell [rad]: see `MAX_BEAM_PHASE`."""
 
 AT_ONCE = 400
 """Cells whose maps are made together: some 20 MB."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -54,18 +54,39 @@ def find_peaks(histories: FloatArray, between: Between | None = None) -> Peaks:
     nodes and is smooth within a cell, where the polynomial through its seven samples stands for it;
     or `between` tells what is between.
     """
-    if between is not None and between.pieces > 1:
-        cells, columns = _candidates(histories, WAVES)
-        pairs = np.unique(np.stack([columns, cells]), axis=1)
-        columns, cells = pairs
+    fine = between is not None and between.pieces > 1
+    # Within the margin of the largest sample another cell may hold the peak.
+    room = (WAVES if fine else 1.0) * margins(histories)
+    cells, columns = candidates(histories, histories.max(axis=0) - room)
+    if between is not None and fine:
+        columns, cells = np.unique([columns, cells], axis=1)
         values, fractions = _fine_peaks(between, cells, columns)
     else:
-        cells, columns = _candidates(histories, 1.0)
         around = histories[_PER_CELL * cells + np.arange(_PER_CELL + 1)[:, np.newaxis], columns]
         values, fractions = _polynomial_peaks(around)
-    order = np.lexsort((values, columns))
-    best = order[np.searchsorted(columns[order], np.arange(histories.shape[1]), side="right") - 1]
+    best = _best(values, columns, histories.shape[1])
     return Peaks(values[best], cells[best], fractions[best])
+
+
+def highest(windows: Sequence[tuple[int, FloatArray]], between: Between) -> FloatArray:
+    """Largest values of histories that are known in windows: cells from a first one on."""
+    tops, rooms = (
+        np.max([of(histories) for _, histories in windows], axis=0)
+        for of in (lambda histories: histories.max(axis=0), margins)
+    )
+    found = []
+    for first, histories in windows:
+        cells, columns = candidates(histories, tops - WAVES * rooms)
+        found.append(np.unique([columns, cells + first], axis=1))
+    columns, cells = np.unique(np.concatenate(found, axis=1), axis=1)
+    values, _ = _fine_peaks(between, cells, columns)
+    return values[_best(values, columns, len(tops))]
+
+
+def _best(values: FloatArray, columns: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """Which of the values is the largest of each column."""
+    order = np.lexsort((values, columns))
+    return order[np.searchsorted(columns[order], np.arange(count), side="right") - 1]
 
 
 def _fine_peaks(
@@ -77,10 +98,10 @@ def _fine_peaks(
     return values, (pieces + fractions) / between.pieces
 
 
-def _candidates(histories: FloatArray, room: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Cells that may hold the peak of a history, and its column."""
-    # Within the margin of the largest sample another cell may hold the peak.
-    enough = histories.max(axis=0) - room * margins(histories)
+def candidates(
+    histories: FloatArray, enough: FloatArray
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Cells that have enough to hold the peak of a history, and its column."""
     # Few samples come near any history's peak: look for those of each history among them.
     high = np.nonzero(histories.max(axis=1) >= enough.min())[0]
     samples, columns = np.nonzero(histories[high] >= enough)

@@ -13,7 +13,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import count_pieces, even_places
 from bridgectl._progress import track
 from bridgectl._warn import warn
-from bridgectl.linear.cells import bridge_entry, sample_positions
+from bridgectl.linear.cells import Cells, bridge_entry, sample_positions
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import Run, prepare, reference_effect
@@ -114,11 +114,12 @@ def linear_surface(
     # The smooth road has nodes at the ramps' ends all the same.
     run = prepare(crossing, RoadProfile(grid.edges, np.zeros_like(grid.edges)), -grid.approach)
     histories: Histories
+    kept: dict[int, Cells] = {}
     if method == "propagator":
-        histories = factor_histories(run, speeds, grid.length, grid.n_ramps)
+        histories = factor_histories(run, speeds, grid.length, grid.n_ramps, kept)
     else:
         histories = _simulate_ramps(run, grid.edges, speeds, grid.height, progress)
-    found = HistoryPeaks(run, speeds, grid.length, grid.n_ramps, histories)
+    found = HistoryPeaks(run, speeds, grid.length, grid.n_ramps, histories, kept)
     peaks = [[found.of_ramps(i, h) for i in range(speeds.size)] for h in grid.heights]
     smooth = crossing.orientation * np.array([of_smooth for of_smooth, _ in peaks[0]])
     ramps = crossing.orientation * np.array([[each for _, each in row] for row in peaks])

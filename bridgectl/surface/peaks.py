@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
-from bridgectl.linear.cells import bridge_entry, build_cells
+from bridgectl.linear.cells import SAMPLES, Cells, bridge_entry, build_cells
 from bridgectl.linear.fine import fine_maps, pieces_of
-from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.peaks import WAVES, find_peaks, highest
 from bridgectl.linear.runs import Run, propagate
 from bridgectl.surface.factored import FactoredHistories
 from bridgectl.surface.histories import Histories, superposed
@@ -27,6 +27,8 @@ class HistoryPeaks:
     ramp_length: float
     n_ramps: int
     histories: Histories
+    kept: Mapping[int, Cells] = field(default_factory=dict)
+    """Cells that are made already, by the first of their speeds."""
 
     @cached_property
     def pieces(self) -> int:
@@ -35,11 +37,16 @@ class HistoryPeaks:
 
     def of_ramps(self, speed: int, drop: float) -> tuple[float, FloatArray]:
         """Peak of the smooth road, and with each ramp on its own, so high [m], at one speed."""
-        if self.pieces == 1:
-            smooth = find_peaks(self.histories.smooth[speed, :, np.newaxis]).values
-            return float(smooth[0]), self.histories.peaks(speed, drop)
-        smooth, *ramps = self.of_roads(speed, drop * np.eye(self.n_ramps, self.n_ramps + 1, 1))
-        return float(smooth), np.array(ramps)
+        histories, smooth = self.histories, self.histories.smooth[speed]
+        if self.pieces == 1 or not isinstance(histories, FactoredHistories):
+            return float(find_peaks(smooth[:, np.newaxis]).values[0]), histories.peaks(speed, drop)
+        windows = []
+        for first, ramps in histories.windows(speed, drop, WAVES):
+            of_smooth = smooth[len(SAMPLES) * first :][: len(ramps), np.newaxis]
+            windows.append((first, np.hstack([of_smooth, ramps])))
+        drops = drop * np.eye(self.n_ramps, self.n_ramps + 1, 1)
+        found = highest(windows, _Between(self, speed, drops))
+        return float(found[0]), found[1:]
 
     def of_roads(
         self, speed: int, drops: FloatArray, histories: FloatArray | None = None
@@ -54,9 +61,15 @@ class HistoryPeaks:
         """States on the smooth road at the nodes on the bridge, (S, C + 1, n)."""
         nodes, approach = self.histories.nodes, self.run.nodes(float(self.speeds.min()), wide=True)
         before = approach[: bridge_entry(approach)]
-        return propagate(self.run, self.speeds, np.concatenate([before, nodes]), wide=True)[
-            -1
-        ].states
+        return propagate(self.run, self.speeds, np.concatenate([before, nodes]))[-1].states
+
+    def cells_of(self, speed: int, first: int, last: int) -> tuple[Cells, int, int]:
+        """Cells from the first to before the last, among others: from which on, and their speed."""
+        begin = max((at for at in self.kept if at <= speed), default=None)
+        if begin is not None and speed - begin < len(self.kept[begin].free):
+            return self.kept[begin], 0, speed - begin
+        nodes, speeds = self.histories.nodes[first : last + 1], self.speeds[speed : speed + 1]
+        return build_cells(self.run.crossing, speeds, nodes, on_bridge=True), first, 0
 
 
 @dataclass(frozen=True)
@@ -76,44 +89,46 @@ class _Between:
         histories = self.peaks.histories
         assert isinstance(histories, FactoredHistories)
         per_block = -(-(len(histories.nodes) - 1) // len(histories.local))
-        found = np.empty((6 * self.pieces + 1, len(cells)))
-        states = dict(enumerate(histories.states(self.speed, self.drops)))
         blocks = cells // per_block
-        for block in np.unique(blocks).tolist():
+        found = np.empty((len(SAMPLES) * self.pieces + 1, len(cells)))
+        for block, states in enumerate(histories.states(self.speed, self.drops)):
             here = np.flatnonzero(blocks == block)
-            self._within(block * per_block, states[block], cells[here], columns[here], found, here)
+            if here.size:
+                found[:, here] = self._within(block * per_block, states, cells[here], columns[here])
         yield found
 
     def _within(
-        self, first: int, beyond: FloatArray, cells: NDArray[np.intp], columns: NDArray[np.intp],
-        found: FloatArray, places: NDArray[np.intp],
-    ) -> None:  # fmt: skip
-        """Samples of the cells of a block from its states."""
-        peaks, crossing = self.peaks, self.peaks.run.crossing
-        last, n, q = int(cells.max()) + 1, crossing.n_states, 3 * crossing.linear.n_tires
-        nodes = peaks.histories.nodes[first : last + 1]
-        speeds = peaks.speeds[self.speed : self.speed + 1]
-        run = build_cells(crossing, speeds, nodes, on_bridge=True)
-        passed = crossing.tire_positions(nodes)[..., np.newaxis] - (
-            peaks.run.start + peaks.ramp_length * np.arange(peaks.n_ramps)
-        )
-        road = np.clip(passed / peaks.ramp_length, 0.0, 1.0) @ self.drops
-        rows = np.concatenate([road[:-1], np.ones_like(road[:-1, :1]), np.diff(road, axis=0)], 1)
-        state = beyond[:n] + peaks.smooth_states[self.speed, first, :, np.newaxis]
-        maps = {}
+        self,
+        first: int,
+        beyond: FloatArray,
+        cells: NDArray[np.intp],
+        columns: NDArray[np.intp],
+    ) -> FloatArray:
+        """Samples of some cells of a block, whose first cell is given, from states at its start."""
+        peaks, crossing, nodes = self.peaks, self.peaks.run.crossing, self.peaks.histories.nodes
+        last, forces = int(cells.max()) + 1, 3 * crossing.linear.n_tires
+        own, offset, which = peaks.cells_of(self.speed, first, last)
+        rows = self._road_rows(nodes[first : last + 1])
+        state = beyond[: crossing.n_states] + peaks.smooth_states[self.speed, first, :, np.newaxis]
         wanted = np.unique(cells)
-        every = fine_maps(
-            crossing,
-            np.full(len(wanted), speeds[0]),
-            peaks.histories.nodes[wanted],
-            peaks.histories.nodes[wanted + 1],
-            self.pieces,
-        )
-        maps = dict(zip(wanted.tolist(), every.maps))
-        for c in range(last - first):
-            stages = run.to_stages[0, c] @ np.vstack([state, rows[c]])
-            if first + c in maps:
-                own = cells == first + c
-                known = np.vstack([state[crossing.n_vehicle :], stages[:q]])[:, columns[own]]
-                found[:, places[own]] = maps[first + c] @ known + every.constant
-            state = run.free[0, run.kind[c]] @ state + run.inputs[0, c] @ stages
+        speeds = np.full(len(wanted), peaks.speeds[self.speed])
+        maps, constant = fine_maps(crossing, speeds, nodes[wanted], nodes[wanted + 1], self.pieces)
+        found = np.empty((maps.shape[1], len(cells)))
+        for cell in range(first, last):
+            c = cell - offset
+            stages = own.to_stages[which, c] @ np.vstack([state, rows[cell - first]])
+            if cell in wanted:
+                here = np.flatnonzero(cells == cell)
+                known = np.vstack([state[crossing.n_vehicle :], stages[:forces]])[:, columns[here]]
+                found[:, here] = maps[np.searchsorted(wanted, cell)] @ known + constant
+            state = own.free[which, own.kind[c]] @ state + own.inputs[which, c] @ stages
+        return found
+
+    def _road_rows(self, nodes: FloatArray) -> FloatArray:
+        """Road rows of the roads, (C, 2 n_tires + 1, n_roads): see `Cells`."""
+        run, length = self.peaks.run, self.peaks.ramp_length
+        starts = run.start + length * np.arange(self.peaks.n_ramps)
+        passed = (run.crossing.tire_positions(nodes)[..., np.newaxis] - starts) / length
+        road = np.clip(passed, 0.0, 1.0) @ self.drops
+        loads = np.ones_like(road[:-1, :1])
+        return np.concatenate([road[:-1], loads, np.diff(road, axis=0)], axis=1)
