@@ -16,20 +16,23 @@ from numpy.typing import NDArray
 from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import (
     FORCE_POINTS,
+    N_FORCES,
     TO_FORCES,
-    parabola,
     sample_positions,
 )
 from bridgectl.linear.modes import mode_responses
+from bridgectl.linear.nodes import MAX_BEAM_PHASE
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.effect import EffectRows
 
 FINE_PHASE = 1.3
-"""Largest advance of phase of the fastest mode in a piece of a cell [rad]: see `MAX_BEAM_PHASE`."""
+"""Largest advance of phase of the fastest mode in a piece of a cell [rad]."""
 
 AT_ONCE = 400
 """Cells whose maps are made together: some 20 MB."""
 
+# From forces at the force points to the polynomial through them.
+_QUARTIC = np.linalg.inv(np.vander(FORCE_POINTS))
 
 Rows: TypeAlias = Callable[[FloatArray], EffectRows]
 """What is read of a crossing with its reference tire at places."""
@@ -43,14 +46,15 @@ def pieces_of(
     if not rows.per_state[crossing.n_vehicle :].any():
         return 1
     widest = float(np.diff(nodes)[nodes[:-1] >= 0].max())
-    return int(np.ceil(crossing.beam.omega.max() * widest / slowest / FINE_PHASE - 1e-6))
+    phase = crossing.beam.omega.max() * widest / slowest
+    return 1 if phase < MAX_BEAM_PHASE + 1e-6 else int(np.ceil(phase / FINE_PHASE))
 
 
 class FineMaps(NamedTuple):
     """Effect over scale at the fine samples of cells: ``maps @ [modes, forces] + constant``.
 
-    Modal states are those at the start of a cell, (2 modes), tire forces those at its stages,
-    (N_STAGES n_tires,), stage by stage. `maps` has shape (cells, 6 pieces + 1, ...).
+    Modal states are those at the start of a cell, (2 modes), tire forces those at `FORCE_POINTS`,
+    its stages and ends, point by point. `maps` has shape (cells, 6 pieces + 1, ...).
     """
 
     maps: FloatArray
@@ -83,15 +87,20 @@ def fine_maps(
     # Cells, modes, force points, stages, tires.
     loads = np.moveaxis(shapes, -1, 1)[:, :, :, np.newaxis] * TO_FORCES[..., np.newaxis]
     loads = loads.reshape(len(starts), held.shape[-1], -1)
-    through = rows.per_force[:, :, np.newaxis] * parabola(fractions)[..., np.newaxis]
-    forces = held[which] @ loads + through.reshape(*through.shape[:2], -1)
+    through = (
+        rows.per_force[:, :, np.newaxis]
+        * (np.vander(fractions, N_FORCES) @ _QUARTIC)[..., np.newaxis]
+    )
+    forces = through.reshape(*through.shape[:2], -1)
+    forces[..., : loads.shape[-1]] += held[which] @ loads
     return FineMaps(np.concatenate([free[which], forces], axis=2), rows.constant)
 
 
 class Refinement:
     """Samples between those of a batch of crossings, one a column of their histories.
 
-    States have shape (S, C + 1, n), forces at the stages (S, C, q); see `fine_maps`.
+    States have shape (S, C + 1, n), tire forces at the stages (S, C, q) and at the nodes
+    (S, C + 1, n_tires).
     """
 
     def __init__(
@@ -101,11 +110,12 @@ class Refinement:
         nodes: FloatArray,
         states: FloatArray,
         forces: FloatArray,
+        at_nodes: FloatArray,
         pieces: int,
         read: Rows | None = None,
     ) -> None:
         self.crossing, self.speeds, self.nodes, self.read = crossing, speeds, nodes, read
-        self.states, self.forces = states[:, :-1, crossing.n_vehicle :], forces
+        self.known = states[:, :-1, crossing.n_vehicle :], forces, at_nodes[:, :-1], at_nodes[:, 1:]
         self.pieces = pieces
 
     def __call__(self, cells: NDArray[np.intp], columns: NDArray[np.intp]) -> Iterator[FloatArray]:
@@ -116,5 +126,5 @@ class Refinement:
                 self.crossing, self.speeds[column], self.nodes[cell], self.nodes[cell + 1],
                 self.pieces, self.read,
             )  # fmt: skip
-            known = self.states[column, cell], self.forces[column, cell]
-            yield (found.maps @ np.hstack(known)[..., np.newaxis])[..., 0].T + found.constant
+            known = np.hstack([of[column, cell] for of in self.known])
+            yield (found.maps @ known[..., np.newaxis])[..., 0].T + found.constant

@@ -118,9 +118,11 @@ def linear_dafs(
             stretches = runs.propagate(run, speeds[batch], nodes)
             bridge = stretches[-1]
             samples = runs.effect_samples(crossing, bridge)
-            nodes, states = bridge.cells.nodes, bridge.states
-            pieces = pieces_of(crossing, speeds[batch].min(), nodes)
-            between = Refinement(crossing, speeds[batch], nodes, states, bridge.forces, pieces)
+            nodes, forces = bridge.cells.nodes, runs.node_forces(crossing, bridge)
+            between = Refinement(
+                crossing, speeds[batch], nodes, bridge.states, bridge.forces, forces,
+                pieces_of(crossing, speeds[batch].min(), nodes),
+            )  # fmt: skip
             result[batch] = find_peaks(samples.T, between).values
             linear[batch] = ~runs.lifts_off(crossing, stretches)
     simulate = _flying_peak if method == "propagator" else _reference_peak

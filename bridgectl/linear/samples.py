@@ -79,7 +79,7 @@ class Samples(NamedTuple):
         per_cell = len(SAMPLES)
         states = self.states.T[np.newaxis, ::per_cell]
         forces = self.forces[:, :-1].T.reshape(len(self.nodes) - 1, per_cell, -1)[:, AT_STAGES]
-        forces = forces.reshape(1, len(forces), -1)
+        known = states, forces.reshape(1, len(forces), -1), self.forces.T[np.newaxis, ::per_cell]
         found = []
         for effect, factor, history in zip(effects, factors, histories.T, strict=True):
 
@@ -88,9 +88,7 @@ class Samples(NamedTuple):
                 return of.rows(crossing.beam, crossing.linear, tires).scaled(by)
 
             pieces = pieces_of(crossing, min(speed, self.slowest), self.nodes, rows)
-            between = Refinement(
-                crossing, np.array([speed]), self.nodes, states, forces, pieces, rows
-            )
+            between = Refinement(crossing, np.array([speed]), self.nodes, *known, pieces, rows)
             found.append(find_peaks(history[:, np.newaxis], between))
         return Peaks(*(np.concatenate(of) for of in zip(*found, strict=True)))
 

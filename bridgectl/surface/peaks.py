@@ -13,9 +13,10 @@ from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import SAMPLES, Cells, bridge_entry, build_cells
 from bridgectl.linear.fine import fine_maps, pieces_of
 from bridgectl.linear.peaks import WAVES, find_peaks, highest
-from bridgectl.linear.runs import Run, propagate
+from bridgectl.linear.runs import Run, prepare, propagate
 from bridgectl.surface.factored import FactoredHistories
 from bridgectl.surface.histories import Histories, superposed
+from bridgectl.surface.ramps import UnitRamps
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,13 @@ class HistoryPeaks:
         return build_cells(self.run.crossing, speeds, nodes, on_bridge=True), first, 0
 
 
+def peaks_of(ramps: UnitRamps, histories: Histories) -> HistoryPeaks:
+    """Peaks of the histories of a surface."""
+    smooth = ramps.road(np.zeros(len(ramps.positions)))
+    run = prepare(ramps._crossing, smooth, -ramps.approach)
+    return HistoryPeaks(run, ramps.speeds, ramps.ramp_length, len(ramps.positions), histories)
+
+
 @dataclass(frozen=True)
 class _Between:
     """What is between the samples of roads at one speed."""
@@ -108,27 +116,44 @@ class _Between:
         peaks, crossing, nodes = self.peaks, self.peaks.run.crossing, self.peaks.histories.nodes
         last, forces = int(cells.max()) + 1, 3 * crossing.linear.n_tires
         own, offset, which = peaks.cells_of(self.speed, first, last)
-        rows = self._road_rows(nodes[first : last + 1])
+        road = self._road(nodes[first : last + 1])
+        loads = np.ones_like(road[:-1, :1])
+        rows = np.concatenate([road[:-1], loads, np.diff(road, axis=0)], axis=1)
         state = beyond[: crossing.n_states] + peaks.smooth_states[self.speed, first, :, np.newaxis]
         wanted = np.unique(cells)
         speeds = np.full(len(wanted), peaks.speeds[self.speed])
         maps, constant = fine_maps(crossing, speeds, nodes[wanted], nodes[wanted + 1], self.pieces)
         found = np.empty((maps.shape[1], len(cells)))
         for cell in range(first, last):
-            c = cell - offset
+            c, before = cell - offset, state
             stages = own.to_stages[which, c] @ np.vstack([state, rows[cell - first]])
+            state = own.free[which, own.kind[c]] @ state + own.inputs[which, c] @ stages
             if cell in wanted:
                 here = np.flatnonzero(cells == cell)
-                known = np.vstack([state[crossing.n_vehicle :], stages[:forces]])[:, columns[here]]
+                own_columns = columns[here]
+                known = np.vstack(
+                    [
+                        before[crossing.n_vehicle :, own_columns],
+                        stages[:forces, own_columns],
+                        *(
+                            self._forces(nodes[node], of, road[node - first])[:, own_columns]
+                            for node, of in ((cell, before), (cell + 1, state))
+                        ),
+                    ]
+                )
                 found[:, here] = maps[np.searchsorted(wanted, cell)] @ known + constant
-            state = own.free[which, own.kind[c]] @ state + own.inputs[which, c] @ stages
         return found
 
-    def _road_rows(self, nodes: FloatArray) -> FloatArray:
-        """Road rows of the roads, (C, 2 n_tires + 1, n_roads): see `Cells`."""
+    def _forces(self, node: float, states: FloatArray, road: FloatArray) -> FloatArray:
+        """Tire forces at a node, (n_tires, n_roads)."""
+        crossing, n = self.peaks.run.crossing, self.peaks.run.crossing.n_vehicle
+        deflections = crossing.tire_shapes(node) @ states[n::2]
+        hubs = crossing.linear.hubs @ states[:n]
+        return crossing.tire_forces(hubs.T, deflections.T, road.T).T
+
+    def _road(self, nodes: FloatArray) -> FloatArray:
+        """Road under the tires at nodes, positive down [m], (C + 1, n_tires, n_roads)."""
         run, length = self.peaks.run, self.peaks.ramp_length
         starts = run.start + length * np.arange(self.peaks.n_ramps)
         passed = (run.crossing.tire_positions(nodes)[..., np.newaxis] - starts) / length
-        road = np.clip(passed, 0.0, 1.0) @ self.drops
-        loads = np.ones_like(road[:-1, :1])
-        return np.concatenate([road[:-1], loads, np.diff(road, axis=0)], axis=1)
+        return np.asarray(np.clip(passed, 0.0, 1.0) @ self.drops)
