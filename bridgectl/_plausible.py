@@ -74,8 +74,9 @@ LIGHTEST_AXLE, SOFTEST_TIRE = 10.0, 1e4
 FIRMEST = 50.0
 """Largest damping of a damper over the suspension's critical damping."""
 
-SLOWEST_SAMPLE, SLOWEST_LAG, WEAKEST, NOISIEST = 0.1, 2.0, 100.0, 1.0
-"""A damper's sample time [s], lag [s], force limit [N] and noise [m/s] that are no use any more."""
+SLOWEST_SAMPLE, SLOWEST_LAG, WEAKEST, NOISIEST, LOST = 0.1, 2.0, 100.0, 1.0, 100.0
+"""A damper's sample time [s], lag [s], force limit [N], noise [m/s] and error of position [m] that
+are no use any more."""
 
 ROUGHEST = 0.35
 """Largest rms slope of a road about its grade [m/m]: class G has 0.29 at steps of 0.1 m."""
@@ -307,6 +308,9 @@ def _damper_doubts(damper: Damper) -> Iterator[str]:
         yield f"max_force = {force:g} N holds nothing: for {force:g} kN type {force * 1e3:g}"
     if noise > NOISIEST:
         yield f"velocity_noise = {noise:g} m/s hides all: for {noise:g} mm/s type {noise / 1e3:g}"
+    for name in ("position_error", "position_deviation"):
+        if abs(error := getattr(damper, name)) > LOST:
+            yield f"{name} = {error:g} m misses the bridge: for {error:g} mm type {error / 1e3:g}"
 
 
 def _range_doubts(car: QuarterCar, damper: Damper) -> Iterator[str]:

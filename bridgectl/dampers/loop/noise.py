@@ -1,4 +1,7 @@
-"""Noise on measured velocities: a stream of its own for each crossing, told by what it is."""
+"""Noise on measured velocities, and errors of position.
+
+Each crossing has a stream of its own, told by what it is.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,9 @@ PIECE = 0.1
 
 ROUND = 1e-8
 """Drops [m], and speeds [m/s], that differ by less are the same: far above round-off."""
+
+OF_POSITION = 1
+"""What tells the numbers of an error of position from those of noise."""
 
 ROUNDS = 64
 """Rounds whose noise is drawn at once."""
@@ -39,14 +45,8 @@ class Noise:
         end: float,
     ) -> None:
         self.deviation, self.plan = deviation, plan
-        count = np.ceil((end - stations[0]) / PIECE - SAME_PLACE)  # not one more by round-off
-        places = stations[0] + PIECE * np.arange(count)
-        roads = [_digest(np.interp(places, stations, road)) for road in drops.T]
-        self.streams = [
-            [np.random.default_rng([seed, _digest(speed), road]) for road in roads]
-            for speed in speeds
-        ]
-        self.drawn = np.zeros((0, 2, len(speeds), len(roads)))
+        self.streams = _streams(seed, speeds, stations, drops, end)
+        self.drawn = np.zeros((0, 2, len(speeds), drops.shape[1]))
         self.first = 0
 
     def at(self, k: int, shape: tuple[int, ...]) -> FloatArray:
@@ -66,6 +66,37 @@ class Noise:
                 for j, stream in enumerate(streams):
                     own = stream.normal(0.0, self.deviation, (count, 2))
                     self.drawn[begin : begin + count, :, i, j] = own
+
+
+def position_errors(
+    seed: int,
+    deviation: float,
+    speeds: FloatArray,
+    stations: FloatArray,
+    drops: FloatArray,
+    end: float,
+) -> FloatArray:
+    """Errors of position [m] of a standard `deviation`, one a crossing, (S, R): see `Noise`."""
+    every = _streams(seed, speeds, stations, drops, end, OF_POSITION)
+    return np.array([[stream.normal(0.0, deviation) for stream in streams] for streams in every])
+
+
+def _streams(
+    seed: int,
+    speeds: FloatArray,
+    stations: FloatArray,
+    drops: FloatArray,
+    end: float,
+    *kind: int,
+) -> list[list[np.random.Generator]]:
+    """Random numbers of each crossing, by speed and road."""
+    count = np.ceil((end - stations[0]) / PIECE - SAME_PLACE)  # not one more by round-off
+    places = stations[0] + PIECE * np.arange(count)
+    roads = [_digest(np.interp(places, stations, road)) for road in drops.T]
+    return [
+        [np.random.default_rng([seed, _digest(speed), road, *kind]) for road in roads]
+        for speed in speeds
+    ]
 
 
 def _digest(value: FloatArray) -> int:
