@@ -91,7 +91,7 @@ def test_every_ramp_of_a_surface_has_an_error_of_its_own(bridge, truck):
     starts = surface.positions[::50]
     assert starts.size == 7
     for start, unit in zip(starts, surface.daf_unit[0, ::50], strict=True):
-        ramp = bc.RoadProfile(X, np.where(X > start + 0.05, -1e-3, 0.0))
+        ramp = bc.RoadProfile(X, np.where(X - start > 0.05, -1e-3, 0.0))
         assert unit == pytest.approx(
             bc.daf(bridge, truck, 25.0, ramp, start=-10, damper=damper)[0], abs=1e-9
         )
