@@ -24,7 +24,8 @@ CALLS = {
     "Damper": (
         Damper,
         {"strategy": LAW, "sample_time": 2e-3, "lag": 0.0, "max_force": 2e4,
-         "velocity_noise": 0.0, "seed": 0, "position_error": -0.5, "position_deviation": 0.0},
+         "velocity_noise": 0.0, "seed": 0, "position_error": -0.5, "position_deviation": 0.0,
+         "acceleration_noise": 0.0, "travel_noise": 0.0},
         {},
     ),
     "Strategy": (Strategy, {"name": "own", "law": lambda s, g: 5e3, **BOUNDS},

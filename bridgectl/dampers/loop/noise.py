@@ -1,4 +1,4 @@
-"""Noise on measured velocities, and errors of position.
+"""Noise on what is measured, and errors of position.
 
 Each crossing has a stream of its own, told by what it is.
 """
@@ -6,6 +6,7 @@ Each crossing has a stream of its own, told by what it is.
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -19,15 +20,16 @@ PIECE = 0.1
 ROUND = 1e-8
 """Drops [m], and speeds [m/s], that differ by less are the same: far above round-off."""
 
-OF_POSITION = 1
-"""What tells the numbers of an error of position from those of noise."""
+OF_POSITION, OF_SENSORS = 1, 2
+"""What tells random numbers for errors of position, and for the noise of accelerometers and travel
+sensors, from those for velocities."""
 
 ROUNDS = 64
 """Rounds whose noise is drawn at once."""
 
 
 class Noise:
-    """White noise of each sample, of a standard `deviation` [m/s], by round of a plan.
+    """White noise of each sample, of standard `deviations` in their units, by round of a plan.
 
     A crossing's noise depends on the seed, its road from start to the `end` of the bridge [m] and
     its speed: it is the same alone and beside others. Speeds [m/s] have the shape (S,), stations
@@ -37,20 +39,21 @@ class Noise:
     def __init__(
         self,
         seed: int,
-        deviation: float,
+        deviations: Sequence[float],
         plan: Plan,
         speeds: FloatArray,
         stations: FloatArray,
         drops: FloatArray,
         end: float,
+        *kind: int,
     ) -> None:
-        self.deviation, self.plan = deviation, plan
-        self.streams = _streams(seed, speeds, stations, drops, end)
-        self.drawn = np.zeros((0, 2, len(speeds), drops.shape[1]))
+        self.deviations, self.plan = deviations, plan
+        self.streams = _streams(seed, speeds, stations, drops, end, *kind)
+        self.drawn = np.zeros((0, len(deviations), len(speeds), drops.shape[1]))
         self.first = 0
 
     def at(self, k: int, shape: tuple[int, ...]) -> FloatArray:
-        """Noise of body and axle velocity [m/s] in round k, (2, *shape)."""
+        """Noise in round k, (n, *shape), of as many signals as there are deviations."""
         if not 0 <= k - self.first < len(self.drawn):
             self._draw(k)
         return self.drawn[k - self.first, :, : shape[0], : shape[1]]
@@ -58,13 +61,14 @@ class Noise:
     def _draw(self, k: int) -> None:
         """Draw the noise of the rounds from k on; rounds follow each other."""
         self.first = k
-        self.drawn = np.zeros((ROUNDS, 2, len(self.streams), len(self.streams[0])))
+        n = len(self.deviations)
+        self.drawn = np.zeros((ROUNDS, n, len(self.streams), len(self.streams[0])))
         for i, streams in enumerate(self.streams):
             begin = max(int(self.plan.first[i]) - k, 0)
             count = min(int(self.plan.last[i]) - k, ROUNDS) - begin
             if count > 0:
                 for j, stream in enumerate(streams):
-                    own = stream.normal(0.0, self.deviation, (count, 2))
+                    own = stream.normal(0.0, self.deviations, (count, n))
                     self.drawn[begin : begin + count, :, i, j] = own
 
 
