@@ -337,6 +337,7 @@ def things(bridge, truck):
         bc.Bridge([25, 20], 18358, 4.865e10), bc.envelope(bridge, truck, 25.0, at=[5.0]),
         bc.ModalBridge([0, 10, 25], np.eye(3), [4.0, 16.0, 36.0], 2e5),
         dampers.skyhook(1e3, 30e3), hook, dampers.preset(1e3, 30e3), dampers.Damper(hook, lag=0.01),
+        dampers.Sensors.kalman(truck), dampers.measured(hook, dampers.Sensors.complementary()),
         dampers.costate(bridge, truck, 25.0), peak_value(bridge, truck, 25.0, 1e3, 30e3),
         dampers.simulate_loop(bridge, truck, *loop, record=["tire_force"]),
         bc.ramp_heights(bridge, truck, dampers.passive(7e3), 25.0, 5.0, approach=0.0),

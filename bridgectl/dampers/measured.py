@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.dampers.sensors import Sensors
+from bridgectl.dampers.sensors import Sensors, estimates, moved, states_of
 from bridgectl.dampers.strategy import SIGNALS, Strategy
 from bridgectl.model.crossing import Crossing
 
@@ -22,6 +22,9 @@ ODOMETER = ("position", "speed")
 
 COMMAND = "command"
 """What delays call the command."""
+
+STANDING = {COMMAND, "tire_force", *ODOMETER}
+"""What is not 0 before the first sample, at rest: late ones have always been as at the first."""
 
 
 class Measured(Strategy):
@@ -34,9 +37,9 @@ class Measured(Strategy):
         self.registers = {
             key: [f"{key}_{i + 1}" for i in range(n)] for key, n in self.delays.items()
         }
-        filtered = [] if sensors is None else sensors.states
-        own = [*filtered, *(state for each in self.registers.values() for state in each)]
-        own += ["started"] if self.registers else []
+        own = {} if sensors is None else states_of(sensors)
+        own |= {state: 0.0 for each in self.registers.values() for state in each}
+        own |= {"started": 0.0} if self.delays.keys() & STANDING else {}
         if taken := set(own) & set(strategy.states):
             raise ValueError(
                 f"strategy {strategy.name!r} has a state {sorted(taken)[0]!r} already: put all "
@@ -50,7 +53,7 @@ class Measured(Strategy):
             )
         self.laws: dict[float, Measured] = {}
         self._found: tuple[Any, Any] = (None, None)
-        states = {**strategy.states, **dict.fromkeys(own, 0.0)}
+        states = {**strategy.states, **own}
         super().__init__(
             name, self._law, strategy.c_min, strategy.c_max, strategy.bounds,
             states, self._update, strategy.preview,
@@ -137,8 +140,8 @@ class Measured(Strategy):
         x = ca.SX(0, 1)
         heard = dict(known)
         if self.sensors is not None:
-            x = ca.vertcat(*(getattr(s, name) for name in self.sensors.states))
-            heard |= self.sensors.estimates(x)
+            x = ca.vertcat(*(getattr(s, name) for name in states_of(self.sensors)))
+            heard |= estimates(self.sensors, x)
         inner = self.strategy
         columns = (
             [heard[name] for name in SIGNALS],
@@ -148,22 +151,23 @@ class Measured(Strategy):
             s.ahead if inner.preview else [],
         )
         inputs = [ca.vertcat(*column) if column else ca.SX(0, 1) for column in columns]
-        command, *moved = inner.function.call(inputs[: inner.function.n_in()])
-        if moved:
-            after |= dict(zip(inner.states, ca.vertsplit(moved[0]), strict=True))
+        command, *own = inner.function.call(inputs[: inner.function.n_in()])
+        if own:
+            after |= dict(zip(inner.states, ca.vertsplit(own[0]), strict=True))
         told = self._passed(s, COMMAND, command, after) if COMMAND in self.registers else command
         if self.sensors is not None:
             given = ca.vertcat(*(known[name] for name in self.sensors.inputs))
-            following = self.sensors.moved(x, given, told, s.sample_time)
-            after |= dict(zip(self.sensors.states, ca.vertsplit(following), strict=True))
-        after |= {"started": 1.0} if self.registers else {}
+            following = moved(self.sensors, x, given, told, s.sample_time)
+            after |= dict(zip(states_of(self.sensors), ca.vertsplit(following), strict=True))
+        after |= {"started": 1.0} if "started" in self.states else {}
         return SimpleNamespace(told=told, states=after)
 
     def _passed(self, s: Any, key: str, value: Any, after: dict[str, Any]) -> Any:
         """What has come through a register, and into `after` what is in it next."""
         names = self.registers[key]
-        # At the first sample all is as it has always been.
-        held = [ca.if_else(s.started > 0, getattr(s, name), value) for name in names]
+        held = [getattr(s, name) for name in names]
+        if key in STANDING:
+            held = [ca.if_else(s.started > 0, old, value) for old in held]
         after |= dict(zip(names, [value, *held[:-1]], strict=True))
         return held[-1]
 

@@ -2,18 +2,22 @@
 
 Of the measurements m the estimates are y::
 
-    x' = A x + B m + b (c - c_0) n x,    y = y_0 + C x
+    x' = A x + B m,    y = y_0 + C x
 
-with the last term for filters that know the vehicle, in which c is the damping commanded and c_0
-that in A. From sample to sample m and the last term are held, and x moves exactly, for any sample
-time. Estimates have no part of the measurements of their own sample: none depends on an
-acceleration at once, so that there is no loop through the damper force.
+From sample to sample m is held, and x moves exactly, for any sample time. A filter that knows the
+vehicle, and the damping c that it commands, moves as the vehicle with a nominal c_0 does, with the
+force of c - c_0 at the middle of the sample, and corrects what it has predicted to be measured::
+
+    x' = A x + b (c - c_0) n x + K (m - m_predicted)
+
+Estimates have no part of the measurements of their own sample: none depends on an acceleration at
+once, so that there is no loop through the damper force.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import control
@@ -24,7 +28,7 @@ from bridgectl._checks import FloatArray
 from bridgectl.dampers.expression import SAMPLE_TIME
 from bridgectl.dampers.lqr import regulator
 from bridgectl.dampers.passive_theory import comfort_damping, road_damping, white_velocity
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 
 VELOCITIES = ("body_velocity", "axle_velocity", "suspension_velocity")
 """What each of the filters estimates."""
@@ -41,6 +45,25 @@ CROSSOVER = 12.0
 square root of their noises' ratio, 0.07 m/s^2 to 0.5 mm."""
 
 
+STANDING = 1e-7
+"""Rate [rad/s] of a state that is kept: in an hour it changes by less than a thousandth."""
+
+
+class Model(NamedTuple):
+    """What a filter knows of a vehicle."""
+
+    seen: FloatArray
+    """What is measured per state, (m, n)."""
+    per_force: FloatArray
+    """And per force of the damper beside the nominal one [1/N], (m,)."""
+    force: FloatArray
+    """b, rates of the states per such force, (n,)."""
+    velocity_row: FloatArray
+    """n, suspension velocity [m/s] per state, (n,)."""
+    damping: float
+    """c_0 [N s/m]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Sensors:
     """A filter from what sensors measure to what a strategy wants to know; see `measured`.
@@ -55,21 +78,18 @@ class Sensors:
     inputs, outputs : tuple of str
         Signals measured and estimated: see `bridgectl.dampers.SIGNALS` for their units.
     state_matrix, input_matrix, output_matrix : ndarray, shapes (n, n), (n, m) and (p, n)
-        A, B and C, in SI units.
+        A [1/s], B and C, between states of your own and signals in SI units.
     offsets : ndarray, shape (p,)
-        y_0, in the units of the estimates.
-    force_input, velocity_row : ndarray, shape (n,), optional
-        b and n of a filter that knows the damper: the suspension velocity [m/s] of its states, and
-        what the force of a damping beside the nominal one does to their rates, in SI units.
-    damping : float, optional
-        The nominal damping c_0 [N s/m].
+        y_0, in the units of the estimates [m/s, m, N, ...].
+    model : optional
+        What a filter knows of the vehicle, whose gain K [1/s] then is B; see `kalman`.
 
     Examples
     --------
     >>> from bridgectl.dampers import Sensors
     >>> Sensors.accelerometers()
     Sensors('accelerometers', from body_acceleration, axle_acceleration to body_velocity, \
-axle_velocity, suspension_velocity)
+axle_velocity, suspension_velocity, memory=2 s)
     """
 
     name: str
@@ -79,9 +99,7 @@ axle_velocity, suspension_velocity)
     input_matrix: FloatArray
     output_matrix: FloatArray
     offsets: FloatArray
-    force_input: FloatArray | None = None
-    velocity_row: FloatArray | None = None
-    damping: float = 0.0
+    model: Model | None = None
 
     @classmethod
     def accelerometers(cls, corner: float = CORNER) -> Sensors:
@@ -210,7 +228,7 @@ axle_velocity, suspension_velocity)
             check.positive("acceleration_noise", acceleration_noise, unit="m/s^2"),
             check.positive("travel_noise", travel_noise, unit="m"),
         ]
-        car = regulator(vehicle)
+        car = regulator(require_quarter_car(vehicle))
         damping = float(np.sqrt(comfort_damping(vehicle) * road_damping(vehicle)))
         rate, force = np.array([0.0, 1.0, 0.0, -1.0]), car.input_matrix[:, 0]
         state = car.state_matrix + damping * np.outer(force, rate)
@@ -227,42 +245,65 @@ axle_velocity, suspension_velocity)
             "Kalman filter",
             ("body_acceleration", "suspension_travel"),
             (*VELOCITIES, "suspension_travel", "tire_force", "tire_force_rate"),
-            state - gain @ seen,
+            state,
             gain,
             np.array([body, axle, rate, travel, stiffness * tire, stiffness * axle]),
             np.array([0.0, 0, 0, 0, load, 0]),
-            force - gain[:, 0] * force[1],
-            rate,
-            damping,
+            Model(seen, np.array([force[1], 0.0]), force, rate, damping),
         )
 
     def __repr__(self) -> str:
-        return f"Sensors({self.name!r}, from {', '.join(self.inputs)} to {', '.join(self.outputs)})"
+        slowest = np.min(-np.linalg.eigvals(own_matrix(self)).real)
+        return (
+            f"Sensors({self.name!r}, from {', '.join(self.inputs)} to {', '.join(self.outputs)}, "
+            f"memory={1 / slowest:.3g} s)"
+        )
 
-    @property
-    def states(self) -> list[str]:
-        """Names of the filter's states."""
-        return [f"filter_{i + 1}" for i in range(len(self.state_matrix))]
 
-    def estimates(self, x: Any) -> dict[str, Any]:
-        """Signals from the states, one column."""
-        found = ca.vertsplit(ca.mtimes(ca.DM(self.output_matrix), x) + ca.DM(self.offsets))
-        return dict(zip(self.outputs, found, strict=True))
+def own_matrix(sensors: Sensors) -> FloatArray:
+    """The matrix of the filter's own motion."""
+    model = sensors.model
+    corrected = 0.0 if model is None else sensors.input_matrix @ model.seen
+    return sensors.state_matrix - corrected
 
-    def moved(self, x: Any, measurements: Any, command: Any, time: Any) -> Any:
-        """States after a time [s] of held measurements and command, one column."""
-        inputs, given = self.input_matrix, measurements
-        if self.force_input is not None and self.velocity_row is not None:
-            beside = (command - self.damping) * ca.mtimes(ca.DM(self.velocity_row).T, x)
-            inputs, given = np.column_stack([inputs, self.force_input]), ca.vertcat(given, beside)
-        grown, held = exact(self.state_matrix, inputs, time)
-        return ca.mtimes(grown, x) + ca.mtimes(held, given)
+
+def states_of(sensors: Sensors) -> dict[str, float]:
+    """Names of the filter's states, with where they start; the last may be a damping [N s/m]."""
+    names = [f"filter_{i + 1}" for i in range(len(sensors.state_matrix))]
+    known = {} if sensors.model is None else {"filter_damping": sensors.model.damping}
+    return dict.fromkeys(names, 0.0) | known
+
+
+def estimates(sensors: Sensors, x: Any) -> dict[str, Any]:
+    """Signals from the states, one column."""
+    found = ca.mtimes(ca.DM(sensors.output_matrix), x[: len(sensors.state_matrix)])
+    return dict(zip(sensors.outputs, ca.vertsplit(found + ca.DM(sensors.offsets)), strict=True))
+
+
+def moved(sensors: Sensors, x: Any, measurements: Any, command: Any, time: Any) -> Any:
+    """States after a time [s] of held measurements and command [N s/m], one column."""
+    model, a = sensors.model, sensors.state_matrix
+    if model is None:
+        grown, held = exact(a, sensors.input_matrix, time)
+        return ca.mtimes(grown, x) + ca.mtimes(held, measurements)
+    x, last, row = x[: len(a)], x[len(a)], ca.DM(model.velocity_row).T
+    grown, pushed = exact(a, model.force[:, np.newaxis], time)
+    # What was measured is of before this sample, with the damping of the last one.
+    beside = (last - model.damping) * ca.mtimes(row, x)
+    expected = ca.mtimes(ca.DM(model.seen), x) + ca.DM(model.per_force) * beside
+    halfway = ca.mtimes(exact(a, np.zeros((len(a), 0)), time / 2)[0], x)
+    force = (command - model.damping) * ca.mtimes(row, halfway)
+    correction = exact(own_matrix(sensors), sensors.input_matrix, time)[1]
+    following = (
+        ca.mtimes(grown, x) + pushed * force + ca.mtimes(correction, measurements - expected)
+    )
+    return ca.vertcat(following, command)
 
 
 def exact(state_matrix: FloatArray, input_matrix: FloatArray, time: Any) -> tuple[Any, Any]:
     """exp(A t), and its integral times B, for a time t that is an expression [s].
 
-    Of each rate r of A, with its vectors, exp(r t) and (exp(r t) - 1) / r, or t where r is 0.
+    Of each rate r of A, with its vectors, exp(r t) and (exp(r t) - 1) / r; t where r is next to 0.
     """
     rates, vectors = np.linalg.eig(state_matrix)
     rows = np.linalg.inv(vectors)
@@ -272,7 +313,7 @@ def exact(state_matrix: FloatArray, input_matrix: FloatArray, time: Any) -> tupl
         size = ca.exp(rate.real * time)
         real, imaginary = size * ca.cos(rate.imag * time), size * ca.sin(rate.imag * time)
         grown += ca.DM(part.real) * real - ca.DM(part.imag) * imaginary
-        if rate == 0:
+        if abs(rate) < STANDING:
             held += ca.DM(part.real) * time
         else:
             over = part / rate
