@@ -45,6 +45,7 @@ FILTERS = {
     "kalman": Sensors.kalman(TRUCK),
 }
 HOOK = bridgehook(BEAM, TRUCK, SOFT, STIFF)
+EARLY = bridgehook(BEAM, TRUCK, SOFT, STIFF, lag=0.01)
 MOTION = [*SIGNALS[:-2], "damping"]
 
 
@@ -201,7 +202,7 @@ def test_a_kalman_filter_knows_the_damping_that_it_commands(damping):
 
 @pytest.mark.parametrize("kind", FILTERS)
 @pytest.mark.parametrize("law", [skyhook(SOFT, STIFF), groundhook(SOFT, STIFF), HOOK])
-def test_a_strategy_behind_sensors_is_the_same_in_batch_in_casadi_and_in_a_score(roads, kind, law):
+def test_a_strategy_behind_sensors_is_the_same_in_batch_as_in_casadi(roads, kind, law):
     behind = measured(law, FILTERS[kind])
     damper = Damper(behind, acceleration_noise=0.05, travel_noise=0.5e-3)
     found = simulate_loop(BEAM, TRUCK, damper, SPEEDS, X, roads, record=MOTION)
@@ -210,10 +211,25 @@ def test_a_strategy_behind_sensors_is_the_same_in_batch_in_casadi_and_in_a_score
         assert commands == pytest.approx(history["damping"][0], abs=1e-6)  # [N s/m], of 30 000
         assert np.ptp(commands[: int(40 / speed / TIME)]) > 1e3
     assert BatchLaw(behind, [*SPEEDS]).steps is not None  # on arrays, not case by case
-    road = bc.RoadProfile(X, roads[0])
-    board = bc.score([passive(7e3), damper], BEAM, TRUCK, [road], SPEEDS, approach=20, workers=1)
-    assert board.strategies[1] == behind.name == f"{law.name} ({FILTERS[kind].name})"
-    assert board.values["daf"][1, 0] == pytest.approx(found.daf[:, 0], abs=1e-9)
+
+
+def test_a_score_has_a_strategy_ideal_and_as_measured(roads):
+    dampers = [
+        skyhook(SOFT, STIFF),
+        *(
+            Damper(measured(skyhook(SOFT, STIFF), each), acceleration_noise=0.05, travel_noise=1e-3)
+            for each in FILTERS.values()
+        ),
+    ]
+    profiles = [bc.RoadProfile(X, road) for road in roads[:2]]
+    board = bc.score(
+        [passive(7e3), *dampers], BEAM, TRUCK, profiles, SPEEDS, approach=20, workers=1
+    )
+    told = ["skyhook", *(f"skyhook ({each.name})" for each in FILTERS.values())]
+    assert board.strategies == ("passive 7 kN s/m", *told)
+    for k, damper in enumerate(dampers):
+        found = simulate_loop(BEAM, TRUCK, damper, SPEEDS, X, roads[:2]).daf
+        assert board.values["daf"][k + 1].T == pytest.approx(found, abs=1e-9)
 
 
 @pytest.mark.parametrize("kind", FILTERS)
@@ -377,6 +393,8 @@ def test_the_kalman_filter_serves_every_strategy_of_the_library():
     [
         (lambda: measured(7e3, FILTERS["kalman"]), TypeError, "strategy must be a Strategy, got"),
         (lambda: measured(HOOK, "kalman"), TypeError, "sensors must be Sensors, got str: type"),
+        (lambda: measured(EARLY, FILTERS["kalman"]).for_speed(25.0), ValueError,
+         "bridgehook measures axle_acceleration, of which Kalman filter tell nothing, but of"),
         (lambda: measured(HOOK), ValueError, "measured needs sensors, or delays: type for"),
         (lambda: measured(HOOK, delays={}), ValueError, "measured needs sensors, or delays"),
         (lambda: measured(HOOK, delays=3), TypeError, "delays must be a mapping, got 3: type"),

@@ -210,6 +210,17 @@ def bridgehook(
     RMS velocities. The rougher the road, the more the suspension moves and the more there is to
     use; on a smooth road no damper does anything.
 
+    Told of places some way before or behind the true ones, it loses its gain. Made for that, by
+    `position_deviation`, it gives up some of the gain for a smaller loss; a metre is a quarter to a
+    third of the way that the truck goes in an axle hop. Changes of the mean DAF from passive at 70,
+    90 and 108 km/h, 120 roads of class A and of class B, errors of either sign::
+
+        deviation      0 m             0.3 m           1 m             3 m
+        no error      -0.078 -0.118   -0.078 -0.118   -0.070 -0.107   -0.043 -0.056
+        0.3 m         -0.073 -0.109   -0.073 -0.110   -0.067 -0.103   -0.042 -0.055
+        1 m           -0.037 -0.052   -0.037 -0.056   -0.044 -0.076   -0.038 -0.056
+        3 m           +0.019 +0.038   +0.019 +0.035   +0.009 +0.005   -0.015 -0.042
+
     Examples
     --------
     >>> import bridgectl as bc
