@@ -17,7 +17,7 @@ from bridgectl.dampers.actuator import Damper
 from bridgectl.dampers.loop.advance import Ends, Stepper
 from bridgectl.dampers.loop.batch_law import BatchLaw
 from bridgectl.dampers.loop.controller import Controller
-from bridgectl.dampers.loop.noise import OF_SENSORS, Noise, position_errors
+from bridgectl.dampers.loop.noise import Errors
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.steps import (
     AXLE,
@@ -72,27 +72,15 @@ class Loop:
         every = np.full(len(elevations), stations[0])
         law = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
         roads = stations, self.drops, crossing.beam.length
-        self.offset = np.full((len(speeds), 1), damper.position_error)
-        if spread := damper.position_deviation:  # each road has places of its own: none is foreseen
-            self.offset = self.offset + position_errors(damper.seed, spread, speeds, *roads)
-        else:
-            law.foresee(self.plan.edges[..., 0] + self.offset, speeds)
+        self.errors = Errors(damper, self.plan, speeds, *roads)
+        if not damper.position_deviation:  # else each road has places of its own
+            law.foresee(self.plan.edges[..., 0] + self.errors.places, speeds)
         self.controller: Controller = law
         # What is set once for each crossing, its noise, or what is seen ahead differs between roads
         # from the start.
         own = bool(gains) or damper.noisy or law.preview.size > 0
         self.begins = every if begins is None or own else begins
         self.middle = (damper.strategy.c_min + damper.strategy.c_max) / 2
-        self.noise: Noise | None = None
-        if damper.velocity_noise:
-            deviations = [damper.velocity_noise] * 2
-            self.noise = Noise(damper.seed, deviations, self.plan, speeds, *roads)
-        self.sensor_noise: Noise | None = None
-        if damper.acceleration_noise or damper.travel_noise:
-            deviations = [*[damper.acceleration_noise] * 2, damper.travel_noise]
-            self.sensor_noise = Noise(
-                damper.seed, deviations, self.plan, speeds, *roads, OF_SENSORS
-            )
         self.kept: dict[str, list[FloatArray]] = {name: [] for name in record}
 
     def run(self, observe: Callable[[Ends, float], None] = lambda now, x: None) -> LoopResult:
@@ -193,26 +181,16 @@ class Loop:
             for row in (BODY, AXLE)
         }
         body, axle = vehicle[:, BODY], vehicle[:, AXLE]
-        if self.noise is not None:
-            noise = self.noise.at(k, velocity.shape)
-            body, axle = body + noise[0], axle + noise[1]
-            velocity = body - axle
-        travel = vehicle[:, BODY - 1] - vehicle[:, AXLE - 1]
-        if self.sensor_noise is not None:
-            of_body, of_axle, of_travel = self.sensor_noise.at(k, velocity.shape)
-            rates = {BODY: rates[BODY] + of_body, AXLE: rates[AXLE] + of_axle}
-            travel = travel + of_travel
         change = (now.force - now.sampled_force) / self.damper.sample_time
         change[first] = 0.0
-        told = self.plan.edges[:here, k, :1] + self.offset[:here, : velocity.shape[1]]
-        return {
+        return self.errors.added(k, {
             "body_velocity": body, "axle_velocity": axle,
-            "suspension_travel": travel,
+            "suspension_travel": vehicle[:, BODY - 1] - vehicle[:, AXLE - 1],
             "suspension_velocity": velocity,
             "body_acceleration": rates[BODY], "axle_acceleration": rates[AXLE],
             "tire_force": now.force, "tire_force_rate": change,
-            "position": told, "speed": self.speeds[:here, np.newaxis],
-        }  # fmt: skip
+            "position": self.plan.edges[:here, k, :1], "speed": self.speeds[:here, np.newaxis],
+        })  # fmt: skip
 
     def _ahead(self, k: int, shape: tuple[int, ...]) -> FloatArray:
         """Elevations ahead less that under the tire [m], (S, n, R): drops are positive down."""

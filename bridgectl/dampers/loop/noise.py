@@ -1,4 +1,4 @@
-"""Noise on what is measured, and errors of position.
+"""What sensors tell beside the truth: noise, and errors of position.
 
 Each crossing has a stream of its own, told by what it is.
 """
@@ -6,12 +6,13 @@ Each crossing has a stream of its own, told by what it is.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
+from bridgectl.dampers.actuator import Damper
 from bridgectl.dampers.loop.steps import Plan
 
 PIECE = 0.1
@@ -26,6 +27,53 @@ sensors, from those for velocities."""
 
 ROUNDS = 64
 """Rounds whose noise is drawn at once."""
+
+
+NOISY = ("body_velocity", "axle_velocity")
+"""Signals with the noise of velocities; that of the suspension is their difference."""
+
+SENSED = ("body_acceleration", "axle_acceleration", "suspension_travel")
+"""Signals with that of accelerometers and of a travel sensor."""
+
+
+class Errors:
+    """What the sensors of a damper tell beside the truth; arguments as of `Noise`."""
+
+    def __init__(
+        self,
+        damper: Damper,
+        plan: Plan,
+        speeds: FloatArray,
+        stations: FloatArray,
+        drops: FloatArray,
+        end: float,
+    ) -> None:
+        crossings = speeds, stations, drops, end
+        self.places = np.full((len(speeds), 1), damper.position_error)
+        """How far the positions told are beyond the true ones [m], (S, R), or (S, 1) of all roads.
+        """
+        if damper.position_deviation:
+            drawn = position_errors(damper.seed, damper.position_deviation, *crossings)
+            self.places = self.places + drawn
+        a, d = damper.acceleration_noise, damper.travel_noise
+        kinds = (NOISY, [damper.velocity_noise] * 2, ()), (SENSED, [a, a, d], (OF_SENSORS,))
+        self.noises = [
+            (names, Noise(damper.seed, deviations, plan, *crossings, *kind))
+            for names, deviations, kind in kinds
+            if any(deviations)
+        ]
+
+    def added(self, k: int, signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Signals of round k by name, (S, R) or (S, 1), with the errors."""
+        found = dict(signals)
+        here, known = found["body_velocity"].shape
+        found["position"] = found["position"] + self.places[:here, :known]
+        for names, noise in self.noises:
+            drawn = noise.at(k, (here, known))
+            found |= {name: found[name] + drawn[i] for i, name in enumerate(names)}
+            if names is NOISY:
+                found["suspension_velocity"] = found[names[0]] - found[names[1]]
+        return found
 
 
 class Noise:
