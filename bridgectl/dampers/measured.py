@@ -45,12 +45,8 @@ class Measured(Strategy):
                 f"strategy {strategy.name!r} has a state {sorted(taken)[0]!r} already: put all "
                 "sensors and delays into one measured(...)"
             )
-        if sensors is not None and (missing := self._missing()):
-            raise ValueError(
-                f"{strategy.name} measures {' and '.join(missing)}, of which {sensors.name} tell "
-                f"nothing, but of {', '.join(self._told())}: type other sensors, as "
-                "Sensors.kalman(vehicle)"
-            )
+        if sensors is not None:
+            _require_told(strategy, sensors)
         self.laws: dict[float, Measured] = {}
         self._found: tuple[Any, Any] = (None, None)
         states = {**strategy.states, **own}
@@ -64,16 +60,6 @@ class Measured(Strategy):
             f"Measured({self.name!r}, {self.strategy!r}, {self.sensors!r}, "
             f"delays={self.delays} samples)"
         )
-
-    def _told(self) -> list[str]:
-        """Signals that there are behind the sensors."""
-        if self.sensors is None:
-            return [*SIGNALS]
-        return [s for s in SIGNALS if s in {*self.sensors.inputs, *self.sensors.outputs, *ODOMETER}]
-
-    def _missing(self) -> list[str]:
-        """Signals that the strategy measures and that there are none of."""
-        return [signal for signal in self.strategy.used if signal not in self._told()]
 
     def for_speed(self, speed: float) -> Strategy:
         """Return the law at a speed [m/s]: see `Strategy.for_speed`."""
@@ -170,6 +156,16 @@ class Measured(Strategy):
             held = [ca.if_else(s.started > 0, old, value) for old in held]
         after |= dict(zip(names, [value, *held[:-1]], strict=True))
         return held[-1]
+
+
+def _require_told(strategy: Strategy, sensors: Sensors) -> None:
+    """Refuse a strategy that measures what sensors neither measure nor estimate."""
+    known = [*dict.fromkeys((*sensors.inputs, *sensors.outputs, *ODOMETER))]
+    if missing := [signal for signal in strategy.used if signal not in known]:
+        raise ValueError(
+            f"{strategy.name} measures {' and '.join(missing)}, of which {sensors.name} tell "
+            f"nothing, but of {', '.join(known)}: type other sensors, as Sensors.kalman(vehicle)"
+        )
 
 
 def measured(
