@@ -337,6 +337,7 @@ def things(bridge, truck):
         bc.Bridge([25, 20], 18358, 4.865e10), bc.envelope(bridge, truck, 25.0, at=[5.0]),
         bc.ModalBridge([0, 10, 25], np.eye(3), [4.0, 16.0, 36.0], 2e5),
         dampers.skyhook(1e3, 30e3), hook, dampers.preset(1e3, 30e3), dampers.Damper(hook, lag=0.01),
+        dampers.Sensors.kalman(truck), dampers.measured(hook, dampers.Sensors.complementary()),
         dampers.costate(bridge, truck, 25.0), peak_value(bridge, truck, 25.0, 1e3, 30e3),
         dampers.simulate_loop(bridge, truck, *loop, record=["tire_force"]),
         bc.ramp_heights(bridge, truck, dampers.passive(7e3), 25.0, 5.0, approach=0.0),
@@ -387,7 +388,8 @@ def test_a_crossing_and_a_damper_tell_every_parameter(bridge, truck):
     )
     assert repr(dampers.Damper(dampers.passive(7e3), max_force=15e3)) == (
         "Damper(Strategy('passive 7 kN s/m', c from 7000 to 7000 N s/m), sample_time=0.002 s, "
-        "lag=0 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)"
+        "lag=0 s, max_force=15000 N, velocity_noise=0 m/s, seed=0, "
+        "position_error=0 m, position_deviation=0 m, acceleration_noise=0 m/s^2, travel_noise=0 m)"
     )
 
 
