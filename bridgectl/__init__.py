@@ -131,7 +131,7 @@ __all__ = [
 _ROOMS = {
     "dampers": "dampers", "extremes": "extremes", "li2006": "paper.li2006",
     "measures": "measures", "passive_theory": "dampers.passive_theory", "plots": "plots",
-    "road": "road",
+    "road": "road", "trucks": "model.trucks",
 }  # fmt: skip
 """Modules that are offered as such, and where they are."""
 

@@ -153,6 +153,7 @@ def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -
             f"offsets must be distances behind the first vehicle, 0 m or more, got {offsets}: "
             f"type {(behind - behind.min()).tolist()}, or the vehicles in the order they drive in"
         )
+    places = [car.body_places + offset for car, offset in zip(members, behind, strict=True)]
     return Vehicle(
         mass_matrix=block_diag(*(car.mass_matrix for car in members)),
         damping_matrix=block_diag(*(car.damping_matrix for car in members)),
@@ -172,4 +173,7 @@ def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -
         damper_names=[
             f"{name}_{i}" for i, car in enumerate(members, start=1) for name in car.damper_names
         ],
+        body_places=np.concatenate(places),
+        body_map=block_diag(*(car.body_map.reshape(-1, car.n_coordinates) for car in members))
+        .reshape(-1, 2, sum(car.n_coordinates for car in members)),
     )

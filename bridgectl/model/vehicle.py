@@ -14,6 +14,7 @@ from scipy.linalg import eigvalsh
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_vehicle
+from bridgectl.model.vehicle_checks import require_loads, require_matrices
 
 GRAVITY = 9.81
 """Acceleration due to gravity g [m/s^2]: the value behind the paper's W = 98.1 kN."""
@@ -61,6 +62,11 @@ class Vehicle:
         0 for a rotation. Gravity acts along it.
     coordinates : sequence of str, optional
         Names of the coordinates. Default: 'y_1', 'y_2', ...
+    body_places : array_like, shape (n_bodies, 2), optional
+        Front and rear end of each body behind the reference tire [m], negative ahead of it: what
+        figures draw. Default: none; they draw a box at each tire.
+    body_map : array_like, shape (n_bodies, 2, n), optional
+        As T, dimensionless: displacement of these ends.
     tire_damping : float, optional
         Damping of the tires [N s/m]. Only 0: a tire damper would bring the convective term
         c v'(x) of the deflection under a moving tire, which is not modelled.
@@ -110,6 +116,8 @@ class Vehicle:
     damper_axles: FloatArray
     damper_dampings: FloatArray
     damper_names: tuple[str, ...]
+    body_places: FloatArray
+    body_map: FloatArray
 
     def __init__(
         self,
@@ -126,6 +134,8 @@ class Vehicle:
         damper_axles: ArrayLike | None = None,
         damper_dampings: ArrayLike | None = None,
         damper_names: Sequence[str] | None = None,
+        body_places: ArrayLike | None = None,
+        body_map: ArrayLike | None = None,
     ) -> None:
         mass = _checks.array("mass_matrix", mass_matrix, (None, None), unit="kg")
         tires = _checks.array("tire_stiffnesses", tire_stiffnesses, (None,), unit="N/m")
@@ -140,6 +150,8 @@ class Vehicle:
         hubs = given("tire_map", tire_map, last, (n_tires, n))
         dampers = given("damper_map", damper_map, np.zeros((0, n)), (None, n))
         count = len(dampers)
+        bodies = given("body_places", body_places, np.zeros((0, 2)), (None, 2))
+        ends = len(bodies), 2, n
         values: dict[str, FloatArray | tuple[str, ...]] = {
             "mass_matrix": _checks.array("mass_matrix", mass, (n, n), unit="kg"),
             "damping_matrix": _checks.array("damping_matrix", damping_matrix, (n, n)),
@@ -153,12 +165,14 @@ class Vehicle:
             "damper_axles": given("damper_axles", damper_axles, _axles(dampers, hubs), (count, n)),
             "damper_dampings": given("damper_dampings", damper_dampings, np.zeros(count), (count,)),
             "damper_names": _names("damper_names", "", damper_names, count),
+            "body_places": bodies,
+            "body_map": given("body_map", body_map, np.zeros(ends), ends),
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
         _no_tire_damping(tire_damping)
-        self._check_matrices()
-        self._check_tires()
+        require_matrices(self)
+        require_loads(self)
         judge_vehicle(self)
 
     def __repr__(self) -> str:
@@ -178,41 +192,6 @@ class Vehicle:
 
     def __hash__(self) -> int:
         return hash((self.mass_matrix.tobytes(), self.stiffness_matrix.tobytes()))
-
-    def _check_matrices(self) -> None:
-        for name in ("mass_matrix", "damping_matrix", "stiffness_matrix"):
-            matrix = getattr(self, name)
-            if not np.allclose(matrix, matrix.T, rtol=1e-9, atol=1e-9 * np.abs(matrix).max()):
-                raise ValueError(f"{name} must be symmetric")
-            # Round-off of a semi-definite matrix scales with its largest entry.
-            if np.linalg.eigvalsh(matrix).min() < -1e-9 * np.abs(matrix).max():
-                raise ValueError(f"{name} must not have negative eigenvalues")
-        if np.linalg.eigvalsh(self.mass_matrix).min() <= 0:
-            raise ValueError("mass_matrix must be positive definite: every mass above 0 kg")
-
-        if np.any(self.damper_dampings < 0):
-            raise ValueError(f"damper_dampings must be 0 N s/m or more, got {self.damper_dampings}")
-
-    def _check_tires(self) -> None:
-        if self.tire_stiffnesses.size == 0 or np.any(self.tire_stiffnesses <= 0):
-            raise ValueError(
-                f"tire_stiffnesses must all be above 0 N/m, got {self.tire_stiffnesses}"
-            )
-        if np.min(self.tire_offsets) != 0:
-            raise ValueError(
-                "tire_offsets must be distances behind the reference tire, 0 m for that one and "
-                f"0 or more for the others, got {self.tire_offsets}"
-            )
-        if np.linalg.matrix_rank(self._supported_stiffness) < self.n_coordinates:
-            raise ValueError(
-                "stiffness_matrix and tire_map leave a coordinate without support: no static "
-                "equilibrium exists"
-            )
-        if np.any(self.static_loads <= 0):
-            raise ValueError(
-                f"every tire must carry a static load above 0 N, got {self.static_loads} N; "
-                "check mass_matrix, tire_map and heave"
-            )
 
     @property
     def linear(self) -> Vehicle:
@@ -235,8 +214,8 @@ class Vehicle:
         return float(self.heave @ self.mass_matrix @ self.heave)
 
     @property
-    def _supported_stiffness(self) -> FloatArray:
-        """Stiffness of the vehicle on its tires on a rigid road, K + T' K_t T."""
+    def supported_stiffness(self) -> FloatArray:
+        """Stiffness on its tires on a rigid road, K + T' K_t T [N/m], shape (n, n)."""
         return np.asarray(
             self.stiffness_matrix
             + self.tire_map.T @ (self.tire_stiffnesses[:, np.newaxis] * self.tire_map)
@@ -245,14 +224,14 @@ class Vehicle:
     @cached_property
     def frequencies(self) -> FloatArray:
         """Natural frequencies on a rigid road, without damping [Hz], rising, shape (n,)."""
-        squares = eigvalsh(self._supported_stiffness, self.mass_matrix)
+        squares = eigvalsh(self.supported_stiffness, self.mass_matrix)
         return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi))
 
     @cached_property
     def static_loads(self) -> FloatArray:
         """Static load W_k of each tire on a level road [N], shape (n_tires,)."""
         weight = GRAVITY * self.mass_matrix @ self.heave
-        sag = np.linalg.solve(self._supported_stiffness, weight)
+        sag = np.linalg.solve(self.supported_stiffness, weight)
         return np.asarray(self.tire_stiffnesses * (self.tire_map @ sag))
 
     @cached_property

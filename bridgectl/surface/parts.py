@@ -26,6 +26,7 @@ UNITS = {
     "vehicle.stiffness_matrix": "N/m", "vehicle.tire_stiffnesses": "N/m",
     "vehicle.tire_offsets": "m", "vehicle.tire_map": "1", "vehicle.damper_map": "1",
     "vehicle.damper_axles": "1", "vehicle.damper_dampings": "N s/m",
+    "vehicle.body_places": "m", "vehicle.body_map": "1",
     "vehicle.heave": "1",
     "histories.nodes": "m", "histories.smooth": "1", "histories.unit": "1/m",
     "histories.entry": "state/m", "histories.local": "1", "histories.carried": "state/state",
