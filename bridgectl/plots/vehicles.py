@@ -112,7 +112,13 @@ def _draw_tires(ax: Axes, tires: Any, loads: Any) -> None:
                 fontsize=9)  # fmt: skip
     along = np.sort(tires)
     for ahead, behind in zip(along[:-1], along[1:], strict=True):
-        line: Any = {"arrowstyle": "<->", "color": style.GREY, "lw": 1.0, "shrinkA": 0, "shrinkB": 0}
+        line: Any = {
+            "arrowstyle": "<->",
+            "color": style.GREY,
+            "lw": 1.0,
+            "shrinkA": 0,
+            "shrinkB": 0,
+        }
         ax.annotate("", (ahead, SPACINGS + 0.25), (behind, SPACINGS + 0.25), arrowprops=line)
         ax.text((ahead + behind) / 2, SPACINGS, f"{behind - ahead:.3g}", color=style.BLACK,
                 ha="center", va="center", fontsize=9)  # fmt: skip

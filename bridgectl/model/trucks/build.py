@@ -245,7 +245,9 @@ def _assembled(bodies: Sequence[Body], hinge: Sequence[float]) -> Vehicle:
     ]  # fmt: skip
     dampings = [axle.damping for axle in frame.axles]
     stiffnesses = [axle.suspension_stiffness for axle in frame.axles]
-    offsets = [frame.behind(i, place) for i, body in enumerate(bodies) for place in body.tire_places]
+    offsets = [
+        frame.behind(i, place) for i, body in enumerate(bodies) for place in body.tire_places
+    ]
     order = np.flatnonzero(np.diff(offsets) <= 0)
     if order.size:
         raise ValueError(

@@ -174,7 +174,9 @@ def _tables(key: str, content: Mapping[str, Any], where: str = "") -> Sequence[M
     tables = content.get(key, [])
     if not (isinstance(tables, list) and all(isinstance(each, dict) for each in tables)):
         inside = "bodies." if where else ""
-        raise TypeError(f"{where}{key} must be tables: type [[{inside}{key}]], and their keys below")
+        raise TypeError(
+            f"{where}{key} must be tables: type [[{inside}{key}]], and their keys below"
+        )
     return tables
 
 

@@ -170,7 +170,9 @@ class Body:
         places = self.tire_places
         wrong = np.flatnonzero(np.diff(places) <= 0)
         if not places or wrong.size:
-            found = f"{places[wrong[0]]:g} m before {places[wrong[0] + 1]:g} m" if places else "none"
+            found = (
+                f"{places[wrong[0]]:g} m before {places[wrong[0] + 1]:g} m" if places else "none"
+            )
             raise ValueError(
                 f"axles must be in order from front to rear, each behind the last one, got {found}: "
                 "places are positive backward"
@@ -229,7 +231,9 @@ class Body:
         )
 
 
-def _of_axles(name: str, value: float | Sequence[float], n: int, unit: str) -> float | tuple[float, ...]:
+def _of_axles(
+    name: str, value: float | Sequence[float], n: int, unit: str
+) -> float | tuple[float, ...]:
     """One number, or one for each axle, of 0 or more."""
     if np.ndim(value) == 0:
         return _checks.not_negative(name, value, unit=unit)
