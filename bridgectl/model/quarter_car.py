@@ -174,6 +174,7 @@ def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -
             f"{name}_{i}" for i, car in enumerate(members, start=1) for name in car.damper_names
         ],
         body_places=np.concatenate(places),
-        body_map=block_diag(*(car.body_map.reshape(-1, car.n_coordinates) for car in members))
-        .reshape(-1, 2, sum(car.n_coordinates for car in members)),
+        body_map=block_diag(
+            *(car.body_map.reshape(-1, car.n_coordinates) for car in members)
+        ).reshape(-1, 2, sum(car.n_coordinates for car in members)),
     )

@@ -13,7 +13,7 @@ from matplotlib.transforms import Affine2D
 from bridgectl._checks import FloatArray
 from bridgectl.plots import style
 from bridgectl.plots.shown import VehicleShown
-from bridgectl.plots.vehicle_parts import DrawnBody, parts_of
+from bridgectl.plots.vehicle_parts import SHARED, DrawnBody, parts_of
 
 TIRE, SPRING, BODY = 0.032, 0.075, (0.15, 0.06)
 """Radius of the tire, length of the spring and size of a box, as fractions of the width."""
@@ -25,8 +25,8 @@ the usual ones."""
 FORCES = (style.VERMILLION, "#009E73", "#CC79A7", "#E69F00", style.SKY, style.BLACK)
 """Colours of hubs and of the forces of their tires, over and over."""
 
-COILS, SINGLE = 6, 1e-6
-"""Coils of a spring; how little other tires share in the leg of one."""
+COILS = 6
+"""Coils of a spring."""
 
 
 def radius_and_size(vehicle: VehicleShown, unit: float) -> tuple[float, float]:
@@ -41,6 +41,7 @@ class MovingVehicle:
 
     def __init__(self, ax: Axes, vehicle: VehicleShown, unit: float, taller: float) -> None:
         self.parts, self.taller = parts_of(vehicle, BODY[0] * unit), taller
+        self.ax = ax
         self.radius, self.size = radius_and_size(vehicle, unit)
         carrying = {body.on for body in self.parts.bodies}
         self.tall = [BODY[1] * self.size * (CARRYING if i in carrying else 1.0)
@@ -68,7 +69,7 @@ class MovingVehicle:
             self.springs += ax.plot([], [], lw=1.3, zorder=3, label=_label("spring", i), **black)
         self.bogies = {
             i: ax.plot([], [], lw=3.0, zorder=4.5, **black)[0]
-            for i, leg in enumerate(self.parts.legs) if np.abs(leg.shares).max() < 1 - SINGLE
+            for i, leg in enumerate(self.parts.legs) if np.abs(leg.shares).max() < 1 - SHARED
         }  # fmt: skip
         self.bodies = [self._body(ax, i, body) for i, body in enumerate(self.parts.bodies)]
         look: Any = {"ms": 6, "mfc": "white", "mec": style.BLACK, "zorder": 6}
@@ -101,7 +102,7 @@ class MovingVehicle:
             hub.set_data([place], [height])
             axle.set_data([place, place], [height, height + 0.012 * self.size])
         for i, bar in self.bogies.items():
-            under = np.flatnonzero(np.abs(self.parts.legs[i].shares) > SINGLE)[[0, -1]]
+            under = np.flatnonzero(np.abs(self.parts.legs[i].shares) > SHARED)[[0, -1]]
             bar.set_data(at[under], hubs[under])
         feet = [float(leg.shares @ hubs) for leg in self.parts.legs]
         tops = [foot + SPRING * self.size - self.taller * each
@@ -114,15 +115,17 @@ class MovingVehicle:
     def _place_bodies(
         self, x: float, hubs: FloatArray, tops: list[float]
     ) -> list[tuple[float, float, float]]:
-        """Move the bodies; return a place, the height of the floor there, and its slope, of each."""
+        """Move the bodies; return of each a place, the height of its floor there, and the slope."""
         lines: list[tuple[float, float, float]] = []
         lifts: list[float] = []
         hinges = iter(self.hinges)
         for i, body in enumerate(self.parts.bodies):
             under = 0.0 if body.on is None else lifts[body.on] + self.tall[body.on]
             lifts.append(under)
-            legs = [(x - leg.place, top + under)
-                    for leg, top in zip(self.parts.legs, tops, strict=True) if leg.body == i]  # fmt: skip
+            legs = [
+                (x - leg.place, top + under)
+                for leg, top in zip(self.parts.legs, tops, strict=True) if leg.body == i
+            ]  # fmt: skip
             if body.on is not None:
                 front = x - body.front
                 height = _height(lines[body.on], front) + self.tall[body.on]
@@ -138,7 +141,7 @@ class MovingVehicle:
             patch.set_x(x - body.rear)
             patch.set_y(_height(line, middle))
             shear = Affine2D.from_values(1, line[2], 0, 1, 0, -line[2] * middle)
-            patch.set_transform(shear + patch.axes.transData)
+            patch.set_transform(shear + self.ax.transData)
         return lines
 
 

@@ -2,7 +2,7 @@
 
 A leg stands on a weighted mean of the tires' hubs, and its place is the same mean of theirs: of one
 axle its own tire, of a group what is between. It belongs to the body whose line, from end to end,
-passes through its top. Where a vehicle tells no bodies, there is a box at each tire.
+passes through its top. Over a tire that carries no such body there is a box.
 """
 
 from __future__ import annotations
@@ -16,6 +16,10 @@ from bridgectl.plots.shown import VehicleShown
 
 BOX = 0.8
 """Width of a box at a tire, of what is free between it and the next, at most."""
+
+
+SHARED = 1e-6
+"""Share of a leg that a tire has, at least."""
 
 
 class Leg(NamedTuple):
@@ -47,25 +51,27 @@ class Parts(NamedTuple):
 def parts_of(vehicle: VehicleShown, box: float) -> Parts:
     """Find the parts of a vehicle; boxes at tires are at most so wide [m]."""
     hubs, tires = vehicle.tire_map, vehicle.tire_offsets
-    shares = [np.linalg.lstsq(hubs.T, row, rcond=None)[0] for row in vehicle.damper_axles]
-    places = [float(share @ tires) for share in shares]
-    if not len(vehicle.body_places):
-        apart = np.diff(np.unique(tires))
-        half = min(box, BOX * float(apart.min())) / 2 if apart.size else box / 2
-        bodies = [DrawnBody(d - half, d + half, None, i) for i, d in enumerate(tires.tolist())]
-        on = [int(np.argmax(share)) for share in shares]
-        return Parts(tires, bodies, list(map(Leg, places, shares, on)))
     lines = list(zip(vehicle.body_places, vehicle.body_map, strict=True))
-    tops = vehicle.damper_map + vehicle.damper_axles
-    legs = [
-        Leg(place, share, _carrier(place, top, lines))
-        for place, share, top in zip(places, shares, tops, strict=True)
-    ]
     bodies = [
-        DrawnBody(*ends.tolist(), _carrier(ends[0], rows[0], lines[:i]), None)
+        DrawnBody(float(ends[0]), float(ends[1]), _carrier(ends[0], rows[0], lines[:i]), None)
         for i, (ends, rows) in enumerate(lines)
     ]
-    return Parts(tires, bodies, legs)
+    legs = []
+    for travel, foot in zip(vehicle.damper_map, vehicle.damper_axles, strict=True):
+        shares = np.linalg.lstsq(hubs.T, foot, rcond=None)[0]
+        place = float(shares @ tires)
+        legs.append(Leg(place, shares, _carrier(place, travel + foot, lines)))
+    carried = [np.abs(leg.shares) > SHARED for leg in legs if leg.body is not None]
+    bare = np.flatnonzero(~np.any([np.zeros(tires.size, dtype=bool), *carried], axis=0)).tolist()
+    boxes = []
+    for i in bare:
+        apart = np.abs(tires - tires[i])
+        half = float(min([box, *BOX * apart[apart > 0]])) / 2
+        boxes.append(DrawnBody(float(tires[i]) - half, float(tires[i]) + half, None, i))
+    on = {i: len(bodies) + number for number, i in enumerate(bare)}
+    legs = [leg if leg.body is not None else leg._replace(body=on.get(int(leg.shares.argmax())))
+            for leg in legs]  # fmt: skip
+    return Parts(tires, bodies + boxes, legs)
 
 
 def _carrier(

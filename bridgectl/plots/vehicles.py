@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from matplotlib.patches import Circle, FancyBboxPatch
 
 from bridgectl.plots import style
 from bridgectl.plots.shown import VehicleShown
-from bridgectl.plots.vehicle_parts import parts_of
+from bridgectl.plots.vehicle_parts import SHARED, parts_of
 
 RADIUS, FLOOR, DEEP, TALL = 0.5, 1.15, 0.4, 1.7
 """Radius of tires, height of floors, and of bodies that carry others and that do not [m]."""
@@ -58,7 +59,7 @@ def vehicle_plot(vehicle: VehicleShown, ax: Axes | None = None) -> Axes:
     for leg, damping in zip(parts.legs, car.damper_dampings, strict=True):
         top = FLOOR if leg.body is None else floors[leg.body]
         _draw_leg(ax, leg.place, top, damped=damping > 0)
-        under = parts.tires[np.abs(leg.shares) > 1e-9]
+        under = parts.tires[np.abs(leg.shares) > SHARED]
         ax.plot([under.min(), under.max()], [RADIUS] * 2, color=style.BLACK, lw=3, zorder=5)
     _draw_tires(ax, parts.tires, car.static_loads)
     ax.axhline(0, color=style.DECK, lw=1.5, zorder=1)
@@ -111,7 +112,7 @@ def _draw_tires(ax: Axes, tires: Any, loads: Any) -> None:
         ax.text(place, LOADS, f"{load / 1e3:.3g}", color=style.BLUE, ha="center", va="center",
                 fontsize=9)  # fmt: skip
     along = np.sort(tires)
-    for ahead, behind in zip(along[:-1], along[1:], strict=True):
+    for ahead, behind in pairwise(along):
         line: Any = {
             "arrowstyle": "<->",
             "color": style.GREY,

@@ -86,7 +86,8 @@ def articulated(tractor: Body, trailer: Body, hinge: Sequence[float]) -> Vehicle
     >>> steer = bc.trucks.Axle(-1, 750, 6e6, 1.75e6, damping=1e4, name="steer")
     >>> drive = bc.trucks.Axle(3.5, 750, 6e6, 1.75e6, damping=1e4, name="drive")
     >>> rear = [bc.trucks.Axle(d, 1100, 1e7, 3.5e6, damping=2e4) for d in (2, 3.2, 4.4)]
-    >>> tractor, trailer = bc.trucks.Body(3100, 5e3, [steer, drive]), bc.trucks.Body(2e4, 12e4, rear)
+    >>> tractor = bc.trucks.Body(3100, 5e3, [steer, drive])
+    >>> trailer = bc.trucks.Body(2e4, 12e4, rear)
     >>> truck = bc.trucks.articulated(tractor, trailer, hinge=(3, -5))
     >>> (truck.static_loads / 1e3).round(1)
     array([39.1, 78.8, 65.1, 52. , 38.8])
@@ -155,7 +156,7 @@ def half_car(
         "damping": ("damping", damping, "N s/m"),
         "tire_damping": ("tire_damping", tire_damping, "N s/m"),
     }
-    numbers = {key: _two(*value) for key, value in given.items()}
+    numbers: dict[str, Any] = {key: _two(*value) for key, value in given.items()}
     axles = [
         Axle(place, **{key: values[i] for key, values in numbers.items()})
         for i, place in enumerate(where)

@@ -24,6 +24,7 @@ import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -145,7 +146,7 @@ def _vehicle(content: Mapping[str, Any]) -> Vehicle | QuarterCar:
     if len(bodies) != 2:
         raise ValueError(f"bodies must be one, or tractor and trailer, got {len(bodies)}")
     require_keys("", content, ("hinge",), LOOKS)
-    return articulated(*bodies, hinge=content["hinge"])
+    return articulated(bodies[0], bodies[1], content["hinge"])
 
 
 def _body(where: str, content: Mapping[str, Any]) -> Body:
@@ -156,18 +157,18 @@ def _body(where: str, content: Mapping[str, Any]) -> Body:
         _axle(f"{where}.axles[{i}]", each)
         for i, each in enumerate(_tables("axles", content, where + "."))
     ]
-    body = _told(where, lambda: Body(**own))
+    body = _told(where, partial(Body, **own))
     for i, given in enumerate(_tables("loads", content, where + ".")):
         require_known(f"{where}.loads[{i}]", given, OF_LOAD)
         require_keys(f"{where}.loads[{i}]", given, OF_LOAD[:2], LOOKS)
-        body = _told(f"{where}.loads[{i}]", lambda body=body, given=given: body.loaded(**given))
+        body = _told(f"{where}.loads[{i}]", partial(body.loaded, **given))
     return body
 
 
 def _axle(where: str, content: Mapping[str, Any]) -> Axle:
     require_known(where, content, OF_AXLE)
     require_keys(where, content, OF_AXLE[:4], LOOKS)
-    return _told(where, lambda: Axle(**content))
+    return _told(where, partial(Axle, **content))
 
 
 def _tables(key: str, content: Mapping[str, Any], where: str = "") -> Sequence[Mapping[str, Any]]:

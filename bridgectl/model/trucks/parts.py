@@ -174,8 +174,8 @@ class Body:
                 f"{places[wrong[0]]:g} m before {places[wrong[0] + 1]:g} m" if places else "none"
             )
             raise ValueError(
-                f"axles must be in order from front to rear, each behind the last one, got {found}: "
-                "places are positive backward"
+                f"axles must be in order from front to rear, each behind the one before, got "
+                f"{found}: places are positive backward"
             )
 
     def __repr__(self) -> str:
@@ -244,4 +244,4 @@ def _of_axles(
 
 
 def _each(value: float | Sequence[float], n: int) -> list[float]:
-    return list(value) if isinstance(value, tuple) else [float(value)] * n
+    return [float(each) for each in np.broadcast_to(np.asarray(value), n)]
