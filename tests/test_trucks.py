@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, reject
 from hypothesis import strategies as st
 
 import bridgectl as bc
@@ -148,8 +148,9 @@ def test_an_articulated_truck_weighs_what_its_parts_do_and_its_trailer_leans_on_
     try:
         truck = articulated(tractor, trailer, hinge)
     except ValueError as error:
-        assert "would carry -" in str(error)
-        return
+        if "would carry -" not in str(error):
+            raise
+        reject()
     bodies, axles = (tractor, trailer), (*tractor.axles, *trailer.axles)
     mass = sum(part.mass for part in (*bodies, *axles))
     assert truck.mass == pytest.approx(mass, rel=1e-12)
@@ -323,8 +324,8 @@ TRAILER = Body(2e4, 1e5, [axle(3), axle(4.2)])
 @pytest.mark.parametrize(
     ("make", "error", "says"),
     [
-        (lambda: rigid(Body(1e4, 5e4, [axle(0)])), ValueError, "for one wheel type bridgectl.Quart"),
-        (lambda: rigid(TRACTOR.axles), TypeError, "body must be a bridgectl.trucks.Body, got tuple"),
+        (lambda: rigid(Body(1e4, 5e4, [axle(0)])), ValueError, "for one wheel type"),
+        (lambda: rigid(TRACTOR.axles), TypeError, "body must be a bridgectl.trucks.Body"),
         (lambda: rigid(Body(1e4, 5e4, [axle(1), axle(4)])), ValueError,
          "axle 'rear' would carry -23.87 kN, and every tire needs a load above 0: move the centre"),
         (lambda: articulated(TRACTOR, TRAILER, (-1.5, -5)), ValueError,
@@ -335,7 +336,7 @@ TRAILER = Body(2e4, 1e5, [axle(3), axle(4.2)])
          "would carry -"),
         (lambda: articulated(TRACTOR, TRAILER, (-0.9, 2.9)), ValueError,
          "hinge puts the trailer's first axle 3.3 m ahead of the tractor's last one"),
-        (lambda: articulated(TRACTOR, TRAILER, 2), ValueError, "hinge must have shape (2,), got ()"),
+        (lambda: articulated(TRACTOR, TRAILER, 2), ValueError, "hinge must have shape (2,)"),
         (lambda: articulated(Body(4e3, 5e3, [axle(0)]), TRAILER, (1, -5)), ValueError,
          "tractor must have two axles"),
         (lambda: rigid(Body(1e4, 5e4, [axle(-2, name="a"), axle(2, name="a")])), ValueError,

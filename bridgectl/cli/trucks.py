@@ -45,7 +45,7 @@ def run_trucks(args: argparse.Namespace) -> None:
             return
         trucks = {args.truck: vehicle}
     else:
-        trucks = {name: bc.trucks.load(name) for name in bc.trucks.library()}
+        trucks = {name: bc.trucks.load(name) for name in bc.trucks.catalog()}
 
     def draw() -> Any:
         (vehicle,) = trucks.values()
@@ -59,7 +59,7 @@ def run_trucks(args: argparse.Namespace) -> None:
 
 def trucks_json(trucks: dict[str, bc.Vehicle | bc.QuarterCar]) -> dict[str, Any]:
     """Give what each truck is, with units in the keys."""
-    told = bc.trucks.library()
+    told = bc.trucks.catalog()
     return {
         "bridgectl": __version__,
         "trucks": [
@@ -102,7 +102,7 @@ def print_trucks(trucks: dict[str, bc.Vehicle | bc.QuarterCar]) -> None:
         table.add_row(name, f"{car.mass / 1e3:.3g}", *shown)
     console = make_console()
     console.print(table)
-    told = bc.trucks.library()
+    told = bc.trucks.catalog()
     for name in trucks:
         if name in told:
             console.print(f"{name}: {told[name]}", soft_wrap=True)

@@ -7,7 +7,7 @@ its own count: its centre of gravity, the first axle.
 """
 
 from bridgectl.model.trucks.build import articulated, half_car, rigid
-from bridgectl.model.trucks.file import library, load
+from bridgectl.model.trucks.file import catalog, load
 from bridgectl.model.trucks.parts import Axle, Body
 
-__all__ = ["Axle", "Body", "articulated", "half_car", "library", "load", "rigid"]
+__all__ = ["Axle", "Body", "articulated", "catalog", "half_car", "load", "rigid"]

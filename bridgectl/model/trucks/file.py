@@ -62,7 +62,7 @@ LOOKS = {
 T = TypeVar("T")
 
 
-def library() -> dict[str, str]:
+def catalog() -> dict[str, str]:
     """Return what ships: the name of each truck, with what it is and where it comes from.
 
     Returns
@@ -72,7 +72,7 @@ def library() -> dict[str, str]:
     Examples
     --------
     >>> import bridgectl as bc
-    >>> print(*bc.trucks.library())
+    >>> print(*bc.trucks.catalog())
     T2 T2A01 T5 T5A01 T5air T5tridem li2006
     """
     contents = {path.stem: parsed(path, "truck", "", "") for path in sorted(DATA.glob("*.toml"))}
@@ -88,7 +88,7 @@ def load(name: str | os.PathLike[str]) -> Vehicle | QuarterCar:
     Parameters
     ----------
     name : str or path-like
-        A name of `library`, or a file, whose name ends in ``.toml``: what it looks like is told in
+        A name of `catalog`, or a file, whose name ends in ``.toml``: what it looks like is told in
         ``bridgectl/model/trucks/file.py``, and shown by ``bridgectl trucks T5air --toml``.
 
     Returns
