@@ -227,7 +227,8 @@ def test_a_tridem_of_one_suspension_is_vbi_2ds():
     assert stiffness[0, 1] == pytest.approx(b1 * k3 - 0.5 * k[0] + 2.5 * k[1])
     assert stiffness[2, 2] == pytest.approx(k3 * (a2 + d3) ** 2)
     assert stiffness[2, 5] == pytest.approx(-k3 * (a2 + d3))
-    assert truck.supported_stiffness[6, 6] == pytest.approx(2 * 1.1**2 * kt)
+    tires = truck.tire_map.T @ np.diag(truck.tire_stiffnesses) @ truck.tire_map
+    assert (stiffness + tires)[6, 6] == pytest.approx(2 * 1.1**2 * kt)
     expected = [0, 3, a2 + b1 + 0.5 + d3 - 1.1, a2 + b1 + 0.5 + d3, a2 + b1 + 0.5 + d3 + 1.1]
     assert truck.tire_offsets == pytest.approx(expected)
 

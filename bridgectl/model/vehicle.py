@@ -14,7 +14,7 @@ from scipy.linalg import eigvalsh
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_vehicle
-from bridgectl.model.vehicle_checks import require_loads, require_matrices
+from bridgectl.model.unloaded import UnloadedTireError
 
 GRAVITY = 9.81
 """Acceleration due to gravity g [m/s^2]: the value behind the paper's W = 98.1 kN."""
@@ -57,16 +57,14 @@ class Vehicle:
         the place of. Default: zeros.
     damper_names : sequence of str, optional
         Names of the dampers. Default: '1', '2', ...
+    body_places, body_map : array_like, shapes (n_bodies, 2) and (n_bodies, 2, n), optional
+        Front and rear end of each body behind the reference tire [m], and, dimensionless as T,
+        their displacements: what figures draw. Default: none; they draw a box at each tire.
     heave : array_like, shape (n,), optional
         Coordinates when the whole vehicle moves down by 1 [m]: 1 for a translation (default),
         0 for a rotation. Gravity acts along it.
     coordinates : sequence of str, optional
         Names of the coordinates. Default: 'y_1', 'y_2', ...
-    body_places : array_like, shape (n_bodies, 2), optional
-        Front and rear end of each body behind the reference tire [m], negative ahead of it: what
-        figures draw. Default: none; they draw a box at each tire.
-    body_map : array_like, shape (n_bodies, 2, n), optional
-        As T, dimensionless: displacement of these ends.
     tire_damping : float, optional
         Damping of the tires [N s/m]. Only 0: a tire damper would bring the convective term
         c v'(x) of the deflection under a moving tire, which is not modelled.
@@ -95,10 +93,8 @@ class Vehicle:
     ...     mass_matrix=np.diag([12000, 20000, 700, 900]),
     ...     damping_matrix=c * legs.T @ legs,
     ...     stiffness_matrix=k * legs.T @ legs,
-    ...     tire_stiffnesses=[1.8e6, 3.6e6],
-    ...     tire_offsets=[0, a + b],
-    ...     damper_map=legs,
-    ...     heave=[1, 0, 1, 1],
+    ...     tire_stiffnesses=[1.8e6, 3.6e6], tire_offsets=[0, a + b],
+    ...     damper_map=legs, heave=[1, 0, 1, 1],
     ... )
     >>> car.static_loads.round()
     array([80442., 52974.])
@@ -111,13 +107,13 @@ class Vehicle:
     tire_offsets: FloatArray
     tire_map: FloatArray
     damper_map: FloatArray
+    body_places: FloatArray
+    body_map: FloatArray
     heave: FloatArray
     coordinates: tuple[str, ...]
     damper_axles: FloatArray
     damper_dampings: FloatArray
     damper_names: tuple[str, ...]
-    body_places: FloatArray
-    body_map: FloatArray
 
     def __init__(
         self,
@@ -133,9 +129,9 @@ class Vehicle:
         tire_damping: float = 0.0,
         damper_axles: ArrayLike | None = None,
         damper_dampings: ArrayLike | None = None,
-        damper_names: Sequence[str] | None = None,
         body_places: ArrayLike | None = None,
         body_map: ArrayLike | None = None,
+        damper_names: Sequence[str] | None = None,
     ) -> None:
         mass = _checks.array("mass_matrix", mass_matrix, (None, None), unit="kg")
         tires = _checks.array("tire_stiffnesses", tire_stiffnesses, (None,), unit="N/m")
@@ -148,16 +144,18 @@ class Vehicle:
             return _checks.array(name, default if value is None else value, shape)
 
         hubs = given("tire_map", tire_map, last, (n_tires, n))
+        bodies = given("body_places", body_places, np.zeros((0, 2)), (None, 2))
+        ends = (*bodies.shape, n)
         dampers = given("damper_map", damper_map, np.zeros((0, n)), (None, n))
         count = len(dampers)
-        bodies = given("body_places", body_places, np.zeros((0, 2)), (None, 2))
-        ends = len(bodies), 2, n
         values: dict[str, FloatArray | tuple[str, ...]] = {
             "mass_matrix": _checks.array("mass_matrix", mass, (n, n), unit="kg"),
             "damping_matrix": _checks.array("damping_matrix", damping_matrix, (n, n)),
             "stiffness_matrix": _checks.array("stiffness_matrix", stiffness_matrix, (n, n)),
             "tire_stiffnesses": tires,
             "tire_offsets": given("tire_offsets", tire_offsets, np.zeros(n_tires), (n_tires,)),
+            "body_places": bodies,
+            "body_map": given("body_map", body_map, np.zeros(ends), ends),
             "tire_map": hubs,
             "damper_map": dampers,
             "heave": given("heave", heave, np.ones(n), (n,)),
@@ -165,14 +163,12 @@ class Vehicle:
             "damper_axles": given("damper_axles", damper_axles, _axles(dampers, hubs), (count, n)),
             "damper_dampings": given("damper_dampings", damper_dampings, np.zeros(count), (count,)),
             "damper_names": _names("damper_names", "", damper_names, count),
-            "body_places": bodies,
-            "body_map": given("body_map", body_map, np.zeros(ends), ends),
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
         _no_tire_damping(tire_damping)
-        require_matrices(self)
-        require_loads(self)
+        self._check_matrices()
+        self._check_tires()
         judge_vehicle(self)
 
     def __repr__(self) -> str:
@@ -192,6 +188,38 @@ class Vehicle:
 
     def __hash__(self) -> int:
         return hash((self.mass_matrix.tobytes(), self.stiffness_matrix.tobytes()))
+
+    def _check_matrices(self) -> None:
+        for name in ("mass_matrix", "damping_matrix", "stiffness_matrix"):
+            matrix = getattr(self, name)
+            if not np.allclose(matrix, matrix.T, rtol=1e-9, atol=1e-9 * np.abs(matrix).max()):
+                raise ValueError(f"{name} must be symmetric")
+            # Round-off of a semi-definite matrix scales with its largest entry.
+            if np.linalg.eigvalsh(matrix).min() < -1e-9 * np.abs(matrix).max():
+                raise ValueError(f"{name} must not have negative eigenvalues")
+        if np.linalg.eigvalsh(self.mass_matrix).min() <= 0:
+            raise ValueError("mass_matrix must be positive definite: every mass above 0 kg")
+
+        if np.any(self.damper_dampings < 0):
+            raise ValueError(f"damper_dampings must be 0 N s/m or more, got {self.damper_dampings}")
+
+    def _check_tires(self) -> None:
+        if self.tire_stiffnesses.size == 0 or np.any(self.tire_stiffnesses <= 0):
+            raise ValueError(
+                f"tire_stiffnesses must all be above 0 N/m, got {self.tire_stiffnesses}"
+            )
+        if np.min(self.tire_offsets) != 0:
+            raise ValueError(
+                "tire_offsets must be distances behind the reference tire, 0 m for that one and "
+                f"0 or more for the others, got {self.tire_offsets}"
+            )
+        if np.linalg.matrix_rank(self._supported_stiffness) < self.n_coordinates:
+            raise ValueError(
+                "stiffness_matrix and tire_map leave a coordinate without support: no static "
+                "equilibrium exists"
+            )
+        if np.any(self.static_loads <= 0):
+            raise UnloadedTireError(self.static_loads)
 
     @property
     def linear(self) -> Vehicle:
@@ -214,8 +242,8 @@ class Vehicle:
         return float(self.heave @ self.mass_matrix @ self.heave)
 
     @property
-    def supported_stiffness(self) -> FloatArray:
-        """Stiffness on its tires on a rigid road, K + T' K_t T [N/m], shape (n, n)."""
+    def _supported_stiffness(self) -> FloatArray:
+        """Stiffness of the vehicle on its tires on a rigid road, K + T' K_t T."""
         return np.asarray(
             self.stiffness_matrix
             + self.tire_map.T @ (self.tire_stiffnesses[:, np.newaxis] * self.tire_map)
@@ -224,14 +252,14 @@ class Vehicle:
     @cached_property
     def frequencies(self) -> FloatArray:
         """Natural frequencies on a rigid road, without damping [Hz], rising, shape (n,)."""
-        squares = eigvalsh(self.supported_stiffness, self.mass_matrix)
+        squares = eigvalsh(self._supported_stiffness, self.mass_matrix)
         return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi))
 
     @cached_property
     def static_loads(self) -> FloatArray:
         """Static load W_k of each tire on a level road [N], shape (n_tires,)."""
         weight = GRAVITY * self.mass_matrix @ self.heave
-        sag = np.linalg.solve(self.supported_stiffness, weight)
+        sag = np.linalg.solve(self._supported_stiffness, weight)
         return np.asarray(self.tire_stiffnesses * (self.tire_map @ sag))
 
     @cached_property

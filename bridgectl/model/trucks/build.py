@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl.model.trucks.parts import Axle, Body
+from bridgectl.model.unloaded import UnloadedTireError
 from bridgectl.model.vehicle import Vehicle
-from bridgectl.model.vehicle_checks import UnloadedTireError
 
 OVERHANG = 0.8
 """How far a body is drawn beyond its first and last axle, at most [m]."""
