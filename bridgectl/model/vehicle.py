@@ -91,8 +91,7 @@ class Vehicle:
     >>> legs = np.array([[1, -a, -1, 0], [1, b, 0, -1]])     # travel of the two suspensions
     >>> car = bc.Vehicle(
     ...     mass_matrix=np.diag([12000, 20000, 700, 900]),
-    ...     damping_matrix=c * legs.T @ legs,
-    ...     stiffness_matrix=k * legs.T @ legs,
+    ...     damping_matrix=c * legs.T @ legs, stiffness_matrix=k * legs.T @ legs,
     ...     tire_stiffnesses=[1.8e6, 3.6e6], tire_offsets=[0, a + b],
     ...     damper_map=legs, heave=[1, 0, 1, 1],
     ... )
@@ -145,7 +144,6 @@ class Vehicle:
 
         hubs = given("tire_map", tire_map, last, (n_tires, n))
         bodies = given("body_places", body_places, np.zeros((0, 2)), (None, 2))
-        ends = (*bodies.shape, n)
         dampers = given("damper_map", damper_map, np.zeros((0, n)), (None, n))
         count = len(dampers)
         values: dict[str, FloatArray | tuple[str, ...]] = {
@@ -155,7 +153,9 @@ class Vehicle:
             "tire_stiffnesses": tires,
             "tire_offsets": given("tire_offsets", tire_offsets, np.zeros(n_tires), (n_tires,)),
             "body_places": bodies,
-            "body_map": given("body_map", body_map, np.zeros(ends), ends),
+            "body_map": given(
+                "body_map", body_map, np.zeros((*bodies.shape, n)), (*bodies.shape, n)
+            ),
             "tire_map": hubs,
             "damper_map": dampers,
             "heave": given("heave", heave, np.ones(n), (n,)),
