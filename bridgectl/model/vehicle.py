@@ -144,6 +144,7 @@ class Vehicle:
 
         hubs = given("tire_map", tire_map, last, (n_tires, n))
         bodies = given("body_places", body_places, np.zeros((0, 2)), (None, 2))
+        ends = (*bodies.shape, n)
         dampers = given("damper_map", damper_map, np.zeros((0, n)), (None, n))
         count = len(dampers)
         values: dict[str, FloatArray | tuple[str, ...]] = {
@@ -153,9 +154,7 @@ class Vehicle:
             "tire_stiffnesses": tires,
             "tire_offsets": given("tire_offsets", tire_offsets, np.zeros(n_tires), (n_tires,)),
             "body_places": bodies,
-            "body_map": given(
-                "body_map", body_map, np.zeros((*bodies.shape, n)), (*bodies.shape, n)
-            ),
+            "body_map": given("body_map", body_map, np.zeros(ends), ends),
             "tire_map": hubs,
             "damper_map": dampers,
             "heave": given("heave", heave, np.ones(n), (n,)),
