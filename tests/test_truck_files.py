@@ -157,6 +157,18 @@ def test_a_name_that_is_none_is_told_with_those_that_are(name, error, says):
     assert says in str(caught.value)
 
 
+def test_a_file_in_kn_and_tonnes_is_told(file, capsys):
+    soft = file(ONE.replace("6e6", "6e3").replace("1.75e6", "1.75e3"))
+    with pytest.warns(bc.PlausibilityWarning, match="lowest frequency on a rigid road is 0.0"):
+        bc.trucks.load(soft)
+    wheel = file(WHEEL.replace("9000", "9").replace("1000", "1"), "wheel.toml")
+    with pytest.warns(bc.PlausibilityWarning, match="are its masses in tonnes"):
+        bc.trucks.load(wheel)
+    status, _, err = run_command(capsys, "trucks", soft)
+    assert status == 0
+    assert err.count("for kN/m type 1e3 * stiffness") == 1
+
+
 # The command line
 
 QUICK = ["--approach", "2", "--speeds", "80,100"]

@@ -263,6 +263,26 @@ def test_a_convoy_of_trucks_keeps_their_bodies():
     assert two.damper_names[:3] == ("1_1", "front_2", "rear_2")
 
 
+@pytest.mark.parametrize(
+    ("scale", "says"),
+    [
+        ({"inertia": 1e-3, "mass": 1e-3, "axle": 1e-3}, "mass is 12.3 kg: are its masses in t"),
+        ({"stiffness": 1e-3}, "lowest frequency on a rigid road is 0.0769 Hz"),
+        ({"axle": 1e-3}, "an axle moves at 467 Hz, trucks' at 100 Hz at most: check its mass"),
+    ],
+)
+def test_units_that_can_hardly_be_meant_are_told_on_the_callers_line(scale, says):
+    body, stiffness = scale.get("mass", 1), scale.get("stiffness", 1)
+    own, inertia = scale.get("axle", 1), scale.get("inertia", 1)
+    with pytest.warns(bc.PlausibilityWarning, match=says) as told:
+        half_car(10500 * body, 5e4 * inertia, (-2.5, 2.5), 900 * own, 6e6 * stiffness,
+                 1.75e6 * stiffness)  # fmt: skip
+    assert [each.filename for each in told] == [__file__]
+    axles = [Axle(d, 900 * own, 6e6 * stiffness, 1.75e6 * stiffness) for d in (-2.5, 2.5)]
+    with pytest.warns(bc.PlausibilityWarning, match=says):
+        rigid(Body(10500 * body, 5e4 * inertia, axles))
+
+
 AXLE = {"place": 0.0, "mass": 900, "suspension_stiffness": 6e6, "tire_stiffness": 1.75e6}
 GROUP = {**AXLE, "spread": (-0.6, 0.6), "inertia": 300}
 

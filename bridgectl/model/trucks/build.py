@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._plausible import judge_truck
 from bridgectl.model.trucks.parts import Axle, Body
 from bridgectl.model.unloaded import UnloadedTireError
 from bridgectl.model.vehicle import Vehicle
@@ -41,6 +42,11 @@ def rigid(body: Body) -> Vehicle:
     TypeError, ValueError
         If there are fewer than two axles or groups, or one would have to be held down.
 
+    Warns
+    -----
+    PlausibilityWarning
+        If no truck moves so fast or slowly on its axles.
+
     Examples
     --------
     >>> import bridgectl as bc
@@ -55,7 +61,9 @@ def rigid(body: Body) -> Vehicle:
     array([65.7, 68.7, 68.7])
     """
     _require_body("body", body, 2)
-    return _assembled([body], ())
+    truck = _assembled([body], ())
+    judge_truck(truck)
+    return truck
 
 
 def articulated(tractor: Body, trailer: Body, hinge: Sequence[float]) -> Vehicle:
@@ -79,6 +87,11 @@ def articulated(tractor: Body, trailer: Body, hinge: Sequence[float]) -> Vehicle
     TypeError, ValueError
         If the hinge is ahead of the tractor or behind the trailer's first axle, or an axle would
         have to be held down.
+
+    Warns
+    -----
+    PlausibilityWarning
+        If no truck moves so fast or slowly on its axles.
 
     Examples
     --------
@@ -106,7 +119,9 @@ def articulated(tractor: Body, trailer: Body, hinge: Sequence[float]) -> Vehicle
             f"hinge must be ahead of the trailer's first axle, which is at {behind:g} m, got "
             f"hinge[1] = {places[1]:g} m: places are positive backward, for 5 m ahead type -5"
         )
-    return _assembled([tractor, trailer], tuple(places))
+    truck = _assembled([tractor, trailer], tuple(places))
+    judge_truck(truck)
+    return truck
 
 
 def half_car(
@@ -141,6 +156,11 @@ def half_car(
     TypeError, ValueError
         If a number is out of range, or an axle would have to be held down.
 
+    Warns
+    -----
+    PlausibilityWarning
+        If no truck moves so fast or slowly on its axles.
+
     Examples
     --------
     >>> import bridgectl as bc
@@ -161,7 +181,9 @@ def half_car(
         Axle(place, **{key: values[i] for key, values in numbers.items()})
         for i, place in enumerate(where)
     ]
-    return rigid(Body(body_mass, inertia, axles))
+    truck = rigid(Body(body_mass, inertia, axles))
+    judge_truck(truck)
+    return truck
 
 
 def _two(name: str, value: ArrayLike, unit: str) -> list[float]:

@@ -29,6 +29,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from bridgectl import _checks
+from bridgectl._plausible import judge_quarter_car, judge_truck
 from bridgectl._toml import parsed, require_keys, require_known
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.trucks.build import articulated, rigid
@@ -100,6 +101,11 @@ def load(name: str | os.PathLike[str]) -> Vehicle | QuarterCar:
     TypeError, ValueError
         If there is no such truck; or if the file does not make one, with its name and the key.
 
+    Warns
+    -----
+    PlausibilityWarning
+        If no truck moves so fast or slowly on its axles.
+
     Examples
     --------
     >>> import bridgectl as bc
@@ -109,10 +115,15 @@ def load(name: str | os.PathLike[str]) -> Vehicle | QuarterCar:
     path = truck_path(name)
     try:
         content = parsed(path, "truck", LOOKS["place"], "a name of the library, as T5air")
-        return _vehicle(content)
+        truck = _vehicle(content)
     except (TypeError, ValueError) as error:
         text = re.sub(r"\btype (\w+)=", r"type \1 = ", str(error))
         raise ValueError(f"{path}: {text}") from None
+    if isinstance(truck, QuarterCar):
+        judge_quarter_car(truck)
+    else:
+        judge_truck(truck)
+    return truck
 
 
 def truck_path(name: str | os.PathLike[str]) -> Path:
