@@ -215,6 +215,7 @@ def test_one_truck_is_told_drawn_and_printed_as_a_file(capsys, tmp_path, monkeyp
     assert "52.2 82.5 85.9 85.9 85.9" in out
 
 
+@pytest.mark.filterwarnings("ignore:start = -2 m:UserWarning")  # a short approach will do
 def test_dae_takes_a_truck_by_name_or_file(capsys, file):
     found = []
     for name in ("T2", file(ONE)):
