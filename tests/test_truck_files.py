@@ -202,8 +202,9 @@ def test_json_of_the_command_has_the_numbers_of_every_truck(capsys):
 
 def test_one_truck_is_told_drawn_and_printed_as_a_file(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    status, out, err = run_command(capsys, "trucks", "T5tridem", "--plot", "truck.png")
+    status, out, err = run_command(capsys, "trucks", "t5tridem", "--plot", "truck.png")
     assert (status, err) == (0, "")
+    assert "\nT5tridem: Two-axle tractor" in out
     assert "52.2 82.5 85.9 85.9 85.9" in out
     assert out.endswith("Drawn: truck.png\n")
     assert (tmp_path / "truck.png").stat().st_size > 5000

@@ -38,6 +38,12 @@ def test_a_trailer_stands_on_the_hinge_above_the_tractor():
     assert trailer.get_y() == pytest.approx(tractor.get_y() + tractor.get_height())
 
 
+def test_a_mass_without_a_leg_sits_on_its_tire():
+    ax = vehicle_plot(bc.Vehicle([[5750.0]], [[0.0]], [[0.0]], [1.6e6]))
+    (box,), (tire,) = bodies_of(ax), [patch for patch in ax.patches if isinstance(patch, Circle)]
+    assert box.get_y() == pytest.approx(tire.center[1] + tire.radius)
+
+
 def test_it_draws_into_the_axes_that_are_given():
     ax = vehicle_plot(bc.li2006.car())
     assert vehicle_plot(bc.trucks.load("T2"), ax) is ax

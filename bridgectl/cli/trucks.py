@@ -43,7 +43,8 @@ def run_trucks(args: argparse.Namespace) -> None:
         if args.toml:
             print(truck_path(args.truck).read_text(encoding="utf-8"), end="")
             return
-        trucks = {args.truck: vehicle}
+        names = {name.lower(): name for name in bc.trucks.catalog()}
+        trucks = {names.get(args.truck.lower(), args.truck): vehicle}
     else:
         trucks = {name: bc.trucks.load(name) for name in bc.trucks.catalog()}
 

@@ -12,7 +12,7 @@ from matplotlib.patches import Circle, FancyBboxPatch
 
 from bridgectl.plots import style
 from bridgectl.plots.shown import VehicleShown
-from bridgectl.plots.vehicle_parts import SHARED, parts_of
+from bridgectl.plots.vehicle_parts import SHARED, Parts, parts_of
 
 RADIUS, FLOOR, DEEP, TALL = 0.5, 1.15, 0.4, 1.7
 """Radius of tires, height of floors, and of bodies that carry others and that do not [m]."""
@@ -55,7 +55,7 @@ def vehicle_plot(vehicle: VehicleShown, ax: Axes | None = None) -> Axes:
     if ax is None:
         size = max(6.0, PER_METRE * (rear - front)), 3.2
         ax = Figure(figsize=size, layout="constrained").subplots()
-    floors = _draw_bodies(ax, parts.bodies)
+    floors = _draw_bodies(ax, parts)
     for leg, damping in zip(parts.legs, car.damper_dampings, strict=True):
         top = FLOOR if leg.body is None else floors[leg.body]
         _draw_leg(ax, leg.place, top, damped=damping > 0)
@@ -74,12 +74,13 @@ def vehicle_plot(vehicle: VehicleShown, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def _draw_bodies(ax: Axes, bodies: list[Any]) -> list[float]:
+def _draw_bodies(ax: Axes, parts: Parts) -> list[float]:
     """Draw the bodies, those on hinges above what carries them; return their floors [m]."""
     floors: list[float] = []
-    carrying = {body.on for body in bodies}
-    for i, body in enumerate(bodies):
-        floors.append(FLOOR if body.on is None else floors[body.on] + DEEP)
+    carrying, sprung = {body.on for body in parts.bodies}, {leg.body for leg in parts.legs}
+    for i, body in enumerate(parts.bodies):
+        own = FLOOR if i in sprung else 2 * RADIUS  # what has no leg sits on its tire
+        floors.append(own if body.on is None else floors[body.on] + DEEP)
         tall = DEEP if i in carrying else TALL
         ax.add_patch(FancyBboxPatch(
             (body.front, floors[i]), body.rear - body.front, tall, fc=style.VERMILLION,
