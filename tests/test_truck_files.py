@@ -71,6 +71,20 @@ def test_the_papers_truck_is_one_of_them():
     assert bc.trucks.load("T5AIR") == bc.trucks.load("T5air")
 
 
+def test_the_sample_sets_of_vbi_2d_have_the_numbers_of_their_source():
+    """A01_VBI_input_and_run.m: a truck of two axles, and T5air with a tenth of its damping."""
+    two, five, air = (bc.trucks.load(name) for name in ("T2A01", "T5A01", "T5air"))
+    assert np.diag(two.mass_matrix).tolist() == [10e3, 20e3, 1e3, 1e3]
+    assert np.diag(two.stiffness_matrix).tolist() == [2e6, 8e6, 1e6, 1e6]
+    assert two.damping_matrix == pytest.approx(0.01 * two.stiffness_matrix)
+    assert two.tire_stiffnesses.tolist() == [1e6, 1e6]
+    assert two.tire_offsets.tolist() == [0, 4]
+    assert np.array_equal(five.mass_matrix, air.mass_matrix)
+    assert np.array_equal(five.stiffness_matrix, air.stiffness_matrix)
+    assert np.array_equal(five.tire_stiffnesses, air.tire_stiffnesses)
+    assert five.damping_matrix == pytest.approx(0.1 * air.damping_matrix)
+
+
 def test_a_file_of_a_truck_is_that_of_the_catalog(file):
     assert bc.trucks.load(file(ONE)).mass_matrix.tolist() == (
         bc.trucks.load("T2").mass_matrix.tolist()

@@ -1,4 +1,4 @@
-"""`bridgectl trucks`: the library of trucks, or one of them, from there or from a file."""
+"""`bridgectl trucks`: the catalog of trucks, or one of them, from there or from a file."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Trucks from their parts, from files, and from a library of sets that have been published.
+"""Trucks from their parts, from files, and from a catalog of sets that have been published.
 
 `rigid` and `articulated` make a `bridgectl.Vehicle` of bodies and the axles, or groups of axles,
 under them; `half_car` of two axles makes one from numbers alone. `load` takes a truck from the
-library, or from a TOML file. Places along a body are in metres, positive backward, from wherever
+catalog, or from a TOML file. Places along a body are in metres, positive backward, from wherever
 its own count: its centre of gravity, the first axle.
 """
 

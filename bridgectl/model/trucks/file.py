@@ -1,4 +1,4 @@
-"""Trucks in TOML files, and the library of those that ship.
+"""Trucks in TOML files, and the catalog of those that ship.
 
 Keys of a truck (``bridgectl/model/trucks/data/T5air.toml``)::
 
@@ -84,7 +84,7 @@ def catalog() -> dict[str, str]:
 
 
 def load(name: str | os.PathLike[str]) -> Vehicle | QuarterCar:
-    """Return a truck of the library, or of a TOML file.
+    """Return a truck of the catalog, or of a TOML file.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def load(name: str | os.PathLike[str]) -> Vehicle | QuarterCar:
     """
     path = truck_path(name)
     try:
-        content = parsed(path, "truck", LOOKS["place"], "a name of the library, as T5air")
+        content = parsed(path, "truck", LOOKS["place"], "a name of the catalog, as T5air")
         truck = _vehicle(content)
     except (TypeError, ValueError) as error:
         text = re.sub(r"\btype (\w+)=", r"type \1 = ", str(error))
@@ -127,7 +127,7 @@ def load(name: str | os.PathLike[str]) -> Vehicle | QuarterCar:
 
 
 def truck_path(name: str | os.PathLike[str]) -> Path:
-    """File of a truck of the library, or that of a name that ends in .toml."""
+    """File of a truck of the catalog, or that of a name that ends in .toml."""
     text = _checks.path("name", name, "T5air")
     if text.lower().endswith(".toml"):
         return Path(text)
