@@ -50,10 +50,10 @@ Without FILE: a measured road of 544 m that comes with the program.
 examples:
   bridgectl dae
   bridgectl dae road.csv --units m,mm --station 1250 --span 35 --plot dae.png
+  bridgectl dae --truck T5air --effect hogging@25 --spans 25,25 --mass-per-length 18e3 --frequency 4
   bridgectl dae --spans 25,25 --mass-per-length 18e3 --frequency 4.1 --effect sagging@10,hogging@25
   bridgectl dae --bridge example --effect reaction@50,deflection@12.5,tire_force
   bridgectl dae survey.erd --track RElev.
-  bridgectl dae --truck T5air --effect hogging@25 --spans 25,25 --mass-per-length 18e3 --frequency 4
   bridgectl dae road.txt --units m,m --speeds 60:120:2 --damping 12e3 --json > dae.json"""
 
 

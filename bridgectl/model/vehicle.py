@@ -14,7 +14,6 @@ from scipy.linalg import eigvalsh
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_vehicle
-from bridgectl.model.unloaded import UnloadedTireError
 
 GRAVITY = 9.81
 """Acceleration due to gravity g [m/s^2]: the value behind the paper's W = 98.1 kN."""
@@ -218,7 +217,7 @@ class Vehicle:
                 "equilibrium exists"
             )
         if np.any(self.static_loads <= 0):
-            raise UnloadedTireError(self.static_loads)
+            raise _checks.UnloadedTireError(self.static_loads)
 
     @property
     def linear(self) -> Vehicle:

@@ -16,7 +16,6 @@ from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_truck
 from bridgectl.model.trucks.parts import Axle, Body
-from bridgectl.model.unloaded import UnloadedTireError
 from bridgectl.model.vehicle import Vehicle
 
 OVERHANG = 0.8
@@ -296,7 +295,7 @@ def _assembled(bodies: Sequence[Body], hinge: Sequence[float]) -> Vehicle:
             body_places=[[frame.behind(i, end) for end in ends] for i, ends in enumerate(drawn)],
             body_map=[[frame.at(i, end) for end in ends] for i, ends in enumerate(drawn)],
         )
-    except UnloadedTireError as error:
+    except _checks.UnloadedTireError as error:
         raise ValueError(_unloaded(error.loads, names, frame.axles, bool(hinge))) from None
 
 
