@@ -111,6 +111,11 @@ def judge_vehicle(vehicle: Vehicle) -> None:
     _tell(chain(_weight_doubts(vehicle), _vehicle_doubts(vehicle)))
 
 
+def judge_truck(vehicle: Vehicle) -> None:
+    """Warn of a vehicle from parts that is no road vehicle."""
+    _tell(chain(_weight_doubts(vehicle), _truck_doubts(vehicle)))
+
+
 def judge_crossing(
     crossing: Crossing, speeds: float | FloatArray, *roads: RoadProfile | None
 ) -> None:
@@ -345,6 +350,21 @@ def _vehicle_doubts(vehicle: Vehicle) -> Iterator[str]:
             f"the vehicle's lowest frequency on a rigid road is {lowest:.3g} Hz, vehicles have "
             f"{BODY[0]:g} to {BODY[1]:g} Hz: check mass_matrix [kg], stiffness_matrix and "
             "tire_stiffnesses [N/m]; for kN/m type 1e3 * stiffness"
+        )
+
+
+def _truck_doubts(truck: Vehicle) -> Iterator[str]:
+    lowest, highest = truck.frequencies[[0, -1]]
+    if not BODY[0] <= lowest <= BODY[1]:
+        yield (
+            f"the truck's lowest frequency on a rigid road is {lowest:.3g} Hz, trucks have "
+            f"{BODY[0]:g} to {BODY[1]:g} Hz: check mass [kg], inertia [kg m^2], "
+            "suspension_stiffness and tire_stiffness [N/m]; for kN/m type 1e3 * stiffness"
+        )
+    elif highest > HOP[1]:
+        yield (
+            f"an axle moves at {highest:.3g} Hz, trucks' at {HOP[1]:g} Hz at most: check its mass "
+            "[kg], the inertia of its group [kg m^2] and tire_stiffness [N/m]"
         )
 
 
