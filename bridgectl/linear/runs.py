@@ -58,9 +58,9 @@ class Run(NamedTuple):
             stations = np.append(self.profile.x[self.profile.x > self.start], self.start)
         return kink_positions(self.crossing, self.start, self.end, stations)
 
-    def nodes(self, slowest: float, refine: int = 1) -> FloatArray:
+    def nodes(self, slowest: float, refine: int = 1, *, wide: bool = False) -> FloatArray:
         """Nodes of the cells: see `cell_nodes`."""
-        return cell_nodes(self.crossing, slowest, self.kinks(), refine)
+        return cell_nodes(self.crossing, slowest, self.kinks(), refine, wide=wide)
 
     def road(self, x: FloatArray) -> FloatArray:
         """Road r under each tire for the reference tire at x, positive downward [m]."""
@@ -114,7 +114,7 @@ def prepare(
 def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> Iterator[slice]:
     """Slices of the speeds whose maps fit in memory together."""
     stages = 2 * N_STAGES * run.crossing.linear.n_tires
-    nodes, n = run.nodes(float(speeds.min())), run.crossing.n_states
+    nodes, n = run.nodes(float(speeds.min()), wide=True), run.crossing.n_states
     # Before the bridge cells share their maps.
     cells = len(nodes) - bridge_entry(nodes)
     bytes_per_speed = 8 * cells * stages * (4 * n + stages)
@@ -192,7 +192,7 @@ def linear_contact(run: Run, speeds: FloatArray) -> NDArray[np.bool_]:
     """At which speeds every tire stays on the road throughout, shape (S,)."""
     contact = np.empty(len(speeds), dtype=bool)
     for batch in speed_batches(run, speeds):
-        nodes = run.nodes(float(speeds[batch].min()))
+        nodes = run.nodes(float(speeds[batch].min()), wide=True)
         contact[batch] = ~lifts_off(run.crossing, propagate(run, speeds[batch], nodes))
     return contact
 

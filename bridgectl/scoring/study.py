@@ -215,4 +215,6 @@ def _told(damper: Damper, study: Study) -> list[Any]:
         [law.function.serialize() for law in ends],
         damper.strategy.gains,
         [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
+        [damper.position_error, damper.position_deviation],
+        [damper.acceleration_noise, damper.travel_noise],
     ]

@@ -19,7 +19,7 @@ from bridgectl.dampers.legs import Legs
 from bridgectl.dampers.loop.advance import Ends, Stepper
 from bridgectl.dampers.loop.batch_law import BatchLaw
 from bridgectl.dampers.loop.controller import Controller
-from bridgectl.dampers.loop.noise import Noise
+from bridgectl.dampers.loop.noise import Errors
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.steps import (
     Plan,
@@ -74,24 +74,22 @@ class Loop:
         parts = within[0] if len(within) == 1 else np.unique(np.concatenate(within))
         self.plan: Plan = make_plan(crossing, speeds, stations, dampers.sample_time, parts)
         self.controllers: list[Controller] = []
-        self.noises: list[Noise | None] = []
+        self.errors: list[Errors] = []
         every = np.full(len(elevations), stations[0])
         own = False
         for leg, damper in enumerate(dampers.dampers):
             gains = damper.strategy.gains_for(crossing, speeds, stations, elevations)
             law = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
-            law.foresee(self.plan.edges[..., 0] - self.legs.offsets[leg], speeds)
+            roads = stations, self.drops, crossing.beam.length
+            errors = Errors(damper, self.plan, speeds, *roads, leg)
+            if not damper.position_deviation:  # else each road has places of its own
+                places = self.plan.edges[..., 0] - self.legs.offsets[leg] + errors.places
+                law.foresee(places, speeds)
             self.controllers.append(law)
+            self.errors.append(errors)
             # What is set once for each crossing, its noise, or what is seen ahead differs between
             # roads from the start.
-            own |= bool(gains) or damper.velocity_noise > 0 or law.preview.size > 0
-            noise = None
-            if damper.velocity_noise:
-                noise = Noise(
-                    damper.seed, damper.velocity_noise, self.plan, speeds, stations, self.drops,
-                    crossing.beam.length, leg,
-                )  # fmt: skip
-            self.noises.append(noise)
+            own |= bool(gains) or damper.noisy or law.preview.size > 0
         self.begins = every if begins is None or own else begins
         strategies = [damper.strategy for damper in dampers.dampers]
         self.middle = [(law.c_min + law.c_max) / 2 for law in strategies]
@@ -174,13 +172,15 @@ class Loop:
     def _sample(self, now: Ends, k: int) -> None:
         """Measure, command, and record: the controllers' part of a round."""
         first = self.plan.first[: len(now.force)] == k
-        measured = self._signals(now, k, first)
+        measured, told = self._signals(now, k, first), list[Mapping[str, FloatArray]]()
         for leg, (controller, damper) in enumerate(
             zip(self.controllers, self.dampers.dampers, strict=True)
         ):
+            own = {name: values[:, leg] for name, values in measured.items()}
+            told.append(self.errors[leg].added(k, own))
             memory = now.memory[:, slice(*self.of_memory[leg : leg + 2])]
             ahead = self._ahead(k, now.peak.shape, leg)
-            wanted, memory[:] = controller.command(self._of_leg(measured, leg), memory, ahead, k)
+            wanted, memory[:] = controller.command(told[leg], memory, ahead, k)
             command = now.command[:, leg]
             switched = (wanted > self.middle[leg]) != (command > self.middle[leg])
             switched[first] = False
@@ -189,15 +189,16 @@ class Loop:
             jumps = np.ones_like(first) if damper.lag == 0 else first
             now.damping[jumps, leg] = wanted[jumps]
         now.sampled_force[:] = now.force
-        measured["tire_force"], measured["damping"] = now.force, now.damping
         for name, kept in self.kept.items():
-            source = measured[name][..., self.recorded]
+            of_all = {"tire_force": now.force, "damping": now.damping}.get(name)
+            source = np.stack([own[name] for own in told], axis=1) if of_all is None else of_all
+            source = source[..., self.recorded]
             values = np.zeros((len(self.speeds), *source.shape[1:]))
             values[: len(source)] = source
             kept.append(values)
 
     def _signals(self, now: Ends, k: int, first: NDArray[np.bool_]) -> dict[str, FloatArray]:
-        """What controllers measure, by name: arrays (S, D, R), or (S, D, 1) for all roads alike."""
+        """What happens at the legs, by name: arrays (S, D, R), or (S, D, 1) for all roads alike."""
         n, here, legs = self.crossing.n_vehicle, len(now.force), self.legs
         found = legs.reading @ now.states[:, 1 : n + 1]
         count = len(legs.rate)
@@ -205,12 +206,6 @@ class Loop:
         rates, beyond = found[:, 4 * count :], now.force - self.stepper.weights[:, np.newaxis]
         rates += legs.per_tire @ beyond
         rates += legs.per_damper @ self.stepper.damper_force(now.damping, velocity)
-        for leg, noise in enumerate(self.noises):
-            if noise is not None:
-                drawn = noise.at(k, now.peak.shape)
-                body[:, leg] += drawn[0]
-                axle[:, leg] += drawn[1]
-                velocity[:, leg] = body[:, leg] - axle[:, leg]
         change = legs.under(now.force - now.sampled_force) / self.dampers.sample_time
         change[first] = 0.0
         place = self.plan.edges[:here, k, :1] - legs.offsets
@@ -221,11 +216,6 @@ class Loop:
             "tire_force": legs.under(now.force), "tire_force_rate": change,
             "position": place[..., np.newaxis], "speed": self.every_speed[:here],
         }  # fmt: skip
-
-    @staticmethod
-    def _of_leg(measured: Mapping[str, FloatArray], leg: int) -> dict[str, FloatArray]:
-        """What one of the controllers measures, by name: arrays (S, R) or (S, 1)."""
-        return {name: values[:, leg] for name, values in measured.items()}
 
     def _ahead(self, k: int, shape: tuple[int, ...], leg: int) -> FloatArray:
         """Elevations ahead less that under the tire [m], (S, n, R): drops are positive down."""
