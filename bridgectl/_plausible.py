@@ -21,6 +21,7 @@ from bridgectl._warn import asker, warn
 Beam: TypeAlias = Any
 Crossing: TypeAlias = Any
 Damper: TypeAlias = Any
+Fitted: TypeAlias = Any
 QuarterCar: TypeAlias = Any
 RoadProfile: TypeAlias = Any
 Vehicle: TypeAlias = Any
@@ -143,8 +144,9 @@ def judge_damper(damper: Damper) -> None:
     _tell(_damper_doubts(damper))
 
 
-def judge_range(car: Vehicle | QuarterCar, *dampers: Damper) -> None:
+def judge_range(car: Vehicle | QuarterCar, *devices: Fitted | None) -> None:
     """Warn of dampings that are nothing, or all, beside what a vehicle needs."""
+    dampers = (damper for each in devices if each is not None for damper in each.dampers)
     _tell(chain.from_iterable(_range_doubts(car, damper) for damper in dampers))
 
 

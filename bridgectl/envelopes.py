@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl._checks import choice
-from bridgectl._plausible import judge_crossing
+from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.dampers.fitted import Dampers, Fitted
 from bridgectl.dampers.loop.damped import damped_response
@@ -89,6 +89,7 @@ def envelope(
     judge_crossing(crossing, c, profile)
     require_crossing(run, np.array([c]))
     devices, simulate = fitted_to(damper, vehicle), None
+    judge_range(vehicle, devices)
     if devices is not None:
         crossing, left = devices.resolved(crossing)
         run = run._replace(crossing=crossing)

@@ -130,6 +130,7 @@ def crossing_response(
         return as_response(run, motion, *linear_response(run, motion, asked, method))
     from bridgectl.dampers.loop.damped import damped_response
 
+    judge_range(vehicle, devices)
     places = np.zeros(0) if asked is None else asked
     found = damped_response(run, motion.speed, devices, places)
     return as_response(found[0], motion, *found[1:])
@@ -198,6 +199,7 @@ def daf(
         require_factor(crossing)
     run, devices = prepare(crossings[0], profile, start), fitted_to(damper, vehicle, method)
     judge_crossing(crossings[0], c, profile)
+    judge_range(vehicle, devices)
     found = _peaks(run, crossings, c, devices, method, progress)
     return found if isinstance(effect, list | tuple) else found[0]
 
@@ -253,6 +255,7 @@ def peak_effect(
     c, crossings = _checks.speeds(speeds), crossings_of(effect, beam, vehicle, section, recovery)
     run, devices = prepare(crossings[0], profile, start), fitted_to(damper, vehicle, method)
     judge_crossing(crossings[0], c, profile)
+    judge_range(vehicle, devices)
     found = _peaks(run, crossings, c, devices, method, progress)
     found *= np.array([[crossing.static_peak or 1.0] for crossing in crossings])
     return found if isinstance(effect, list | tuple) else found[0]
@@ -349,6 +352,7 @@ def ramp_surface(
     judge_crossing(crossing, c)
     require_surface(crossing, c, grid.approach, grid.length, method)
     devices = fitted_to(damper, vehicle, method)
+    judge_range(vehicle, devices)
     if devices is not None:
         crossing, left = devices.resolved(crossing)
         if left is not None:
@@ -368,9 +372,7 @@ def fitted_to(
 
     if method != "propagator":
         raise ValueError(f"method must be 'propagator' with a damper, got {method!r}: leave it out")
-    devices = fitted(damper, vehicle)
-    judge_range(vehicle, *devices.dampers)
-    return devices
+    return fitted(damper, vehicle)
 
 
 def _peaks(

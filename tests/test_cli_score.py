@@ -158,7 +158,7 @@ def test_an_interruption_keeps_what_is_done_and_says_where(capsys, monkeypatch, 
         lambda study, damper, first: todo.append(damper) or done(study, damper, first),
     )  # fmt: skip
     assert run(capsys, *TWO, "--resume", kept)[0] == 0
-    assert [damper.strategy.name for damper in todo] == 3 * ["skyhook"]
+    assert [damper.name for damper in todo] == 3 * ["skyhook"]
 
 
 def test_a_figure_is_drawn(capsys, tmp_path):

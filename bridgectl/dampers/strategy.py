@@ -364,8 +364,7 @@ class Strategy:
         10
         """
         own = self if vehicle is None else self.for_leg(checked_leg(vehicle, leg))
-        options = rate_time, sample_time, vehicle, leg
-        return law_block(own.for_speed(speed), SIGNALS, speed, *options)
+        return law_block(own.for_speed(speed), SIGNALS, speed, rate_time, sample_time, vehicle, leg)
 
     @property
     def used(self) -> list[str]:

@@ -17,9 +17,7 @@ from bridgectl._plausible import judge_vehicle
 
 GRAVITY = 9.81
 """Acceleration due to gravity g [m/s^2]: the value behind the paper's W = 98.1 kN."""
-
-ROUND_OFF = 1e-12
-"""Part of a damping, relative to those of its coordinates, that is round-off."""
+ROUND_OFF = 1e-12  # of a damping, relative to those of its coordinates
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -361,14 +359,12 @@ class Vehicle:
 
 def with_dampings(vehicle: Vehicle, dampings: FloatArray) -> Vehicle:
     """Return a vehicle whose passive dampers have other dampings [N s/m], (n_dampers,)."""
-    change, travels, before = dampings - vehicle.damper_dampings, vehicle.damper_map, vehicle
-    matrix = before.damping_matrix + travels.T @ (change[:, np.newaxis] * travels)
+    change, travels = dampings - vehicle.damper_dampings, vehicle.damper_map
+    matrix = vehicle.damping_matrix + travels.T @ (change[:, np.newaxis] * travels)
     # What round-off leaves of dampers that are taken out would not pass for damping.
-    size = np.sqrt(np.maximum(np.diag(before.damping_matrix), 0.0))
+    size = np.sqrt(np.maximum(np.diag(vehicle.damping_matrix), 0.0))
     matrix[np.abs(matrix) <= ROUND_OFF * np.outer(size, size)] = 0.0
-    return replace(
-        vehicle, damping_matrix=(matrix + matrix.T) / 2, damper_dampings=np.asarray(dampings)
-    )
+    return replace(vehicle, damping_matrix=(matrix + matrix.T) / 2, damper_dampings=dampings)
 
 
 def vehicle_states(vehicle: Vehicle) -> list[str]:

@@ -151,7 +151,7 @@ def ramp_heights(
     device = fitted(damper, vehicle)
     require_factor(crossing)
     judge_crossing(crossing, velocity)
-    judge_range(vehicle, *device.dampers)
+    judge_range(vehicle, device)
     ramp = _ramp_at(place, before, beam.length)
     reach = check.positive("largest", largest, unit="m")
     if reach > RAMP_LENGTH:

@@ -147,7 +147,7 @@ def score(
     require_factor(crossing)
     study = make_study(crossing, roads, speeds, approach, departure)
     judge_crossing(crossing, study.speeds, *roads)
-    judge_range(vehicle, *(damper for device in devices for damper in device.dampers))
+    judge_range(vehicle, *devices)
     require_loop(
         devices[0].bare(crossing), devices, study.speeds, study.stations, len(roads),
         n_ramps=study.n_ramps + len(study.classes) * n_class_ramps(study.n_ramps),

@@ -87,7 +87,7 @@ def simulate_loop(
     x, z = checked_roads(beam, stations, elevations)
     names = _names(record)
     judge_crossing(crossing, c)
-    judge_range(vehicle, *devices.dampers)
+    judge_range(vehicle, devices)
     return run_loop(devices.bare(crossing), devices, c, x, z, names)
 
 
