@@ -32,7 +32,7 @@ from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, linear_surface, 
 from bridgectl.surface.surface import RampSurface
 
 if TYPE_CHECKING:  # dampers, which bring CasADi, are imported late
-    from bridgectl.dampers import Damper, Strategy
+    from bridgectl.dampers.fitted import Dampers, Fitted
 
 
 @on_one_thread
@@ -49,7 +49,7 @@ def crossing_response(
     effects: NamedEffects = (),
     static: bool = False,
     method: str = "propagator",
-    damper: Damper | Strategy | None = None,
+    damper: Dampers | None = None,
     tail: float = 0.0,
     timepts: ArrayLike | None = None,
 ) -> control.TimeResponseData:
@@ -75,8 +75,9 @@ def crossing_response(
         Where the vehicle starts [m]: 0, or negative for a start on the approach.
     method : {'propagator', 'control'}, optional
         The fast path, or `control.input_output_response` with tight tolerances.
-    damper : bridgectl.dampers.Damper or Strategy, optional
-        A semi-active damper in place of the vehicle's own.
+    damper : bridgectl.dampers.Damper or Strategy, or a list or dict of them, optional
+        Semi-active dampers in place of the vehicle's own (`damper_dampings`): one for all, a list
+        of one for each (None for a passive one that stays), or some by `Vehicle.damper_names`.
     tail : float, optional
         Time of free vibration after the last tire has left the bridge [s].
     timepts : array_like, optional
@@ -124,14 +125,14 @@ def crossing_response(
     run = run._replace(end=motion.position(motion.time(run.end) + after) if after else run.end)
     judge_crossing(crossing, motion.speed, profile)
     asked = None if timepts is None else motion.position(checked_times(timepts, run, motion))
-    devices = fitted(damper, vehicle, method)
-    if not devices:
+    devices = fitted_to(damper, vehicle, method)
+    if devices is None:
         return as_response(run, motion, *linear_response(run, motion, asked, method))
     from bridgectl.dampers.loop.damped import damped_response
 
-    judge_range(vehicle, *devices)
+    judge_range(vehicle, devices)
     places = np.zeros(0) if asked is None else asked
-    found = damped_response(run, motion.speed, devices[0], places)
+    found = damped_response(run, motion.speed, devices, places)
     return as_response(found[0], motion, *found[1:])
 
 
@@ -147,7 +148,7 @@ def daf(
     recovery: str = "exact",
     effect: Effect | str | Sequence[Effect | str] = "moment",
     method: str = "propagator",
-    damper: Damper | Strategy | None = None,
+    damper: Dampers | None = None,
     progress: bool = True,
 ) -> FloatArray:
     """Dynamic amplification factor: the peak moment, or other effect, over its static peak.
@@ -196,9 +197,9 @@ def daf(
     c, crossings = _checks.speeds(speeds), crossings_of(effect, beam, vehicle, section, recovery)
     for crossing in crossings:
         require_factor(crossing)
-    run, devices = prepare(crossings[0], profile, start), fitted(damper, vehicle, method)
+    run, devices = prepare(crossings[0], profile, start), fitted_to(damper, vehicle, method)
     judge_crossing(crossings[0], c, profile)
-    judge_range(vehicle, *devices)
+    judge_range(vehicle, devices)
     found = _peaks(run, crossings, c, devices, method, progress)
     return found if isinstance(effect, list | tuple) else found[0]
 
@@ -215,7 +216,7 @@ def peak_effect(
     recovery: str = "exact",
     effect: Effect | str | Sequence[Effect | str] = "moment",
     method: str = "propagator",
-    damper: Damper | Strategy | None = None,
+    damper: Dampers | None = None,
     progress: bool = True,
 ) -> FloatArray:
     """Peak of an effect, in its own unit, whether or not static loads give it one.
@@ -252,9 +253,9 @@ def peak_effect(
     array([-5.e-05])
     """
     c, crossings = _checks.speeds(speeds), crossings_of(effect, beam, vehicle, section, recovery)
-    run, devices = prepare(crossings[0], profile, start), fitted(damper, vehicle, method)
+    run, devices = prepare(crossings[0], profile, start), fitted_to(damper, vehicle, method)
     judge_crossing(crossings[0], c, profile)
-    judge_range(vehicle, *devices)
+    judge_range(vehicle, devices)
     found = _peaks(run, crossings, c, devices, method, progress)
     found *= np.array([[crossing.static_peak or 1.0] for crossing in crossings])
     return found if isinstance(effect, list | tuple) else found[0]
@@ -275,7 +276,7 @@ def ramp_surface(
     recovery: str = "exact",
     effect: Effect | str = "moment",
     method: str = "propagator",
-    damper: Damper | Strategy | None = None,
+    damper: Dampers | None = None,
     progress: bool = True,
 ) -> RampSurface:
     """Compute the DAF of a unit ramp at every place, for every speed: Fig. 5 of the paper.
@@ -303,10 +304,9 @@ def ramp_surface(
     method : {'propagator', 'control'}, optional
         'propagator': all ramps from one propagation, factored. 'control': one
         `control.input_output_response` for each ramp and speed, slow, for comparison.
-    damper : bridgectl.dampers.Damper or Strategy, optional
-        A damper in place of the vehicle's own. If it is semi-active, its responses do not
-        superpose: the surface has a DAE, which then is an estimate twice over, and no superposed
-        DAF.
+    damper : bridgectl.dampers.Damper or Strategy, or a list or dict of them, optional
+        See `crossing_response`. If it is semi-active, its responses do not superpose: the surface
+        has a DAE, which then is an estimate twice over, and no superposed DAF.
     progress : bool, optional
         Whether 'control' shows a progress bar on a terminal.
 
@@ -351,48 +351,47 @@ def ramp_surface(
     grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every)
     judge_crossing(crossing, c)
     require_surface(crossing, c, grid.approach, grid.length, method)
-    devices = fitted(damper, vehicle, method)
-    judge_range(vehicle, *devices)
-    for given in devices:
-        crossing, device = given.resolved(crossing)
-        if device is not None:
+    devices = fitted_to(damper, vehicle, method)
+    judge_range(vehicle, devices)
+    if devices is not None:
+        crossing, left = devices.resolved(crossing)
+        if left is not None:
             from bridgectl.dampers.loop.damped import damped_surface
 
-            return damped_surface(crossing, device, c, grid)
+            return damped_surface(crossing, left, c, grid, devices.name)
     return linear_surface(crossing, c, grid, method, progress)
 
 
-def fitted(
-    damper: Damper | Strategy | None, vehicle: Vehicle | QuarterCar, method: str = "propagator"
-) -> list[Damper]:
-    """The damper, if there is one, checked to go with the route and the vehicle."""
+def fitted_to(
+    damper: Dampers | None, vehicle: Vehicle | QuarterCar, method: str = "propagator"
+) -> Fitted | None:
+    """The dampers, if there are any, checked to go with the route and the vehicle."""
     if damper is None:
-        return []
-    from bridgectl.dampers.actuator import as_damper, bare_vehicle
+        return None
+    from bridgectl.dampers.fitted import fitted
 
     if method != "propagator":
         raise ValueError(f"method must be 'propagator' with a damper, got {method!r}: leave it out")
-    device, _ = as_damper(damper), bare_vehicle(vehicle)
-    return [device]
+    return fitted(damper, vehicle)
 
 
 def _peaks(
     run: Run,
     crossings: list[Crossing],
     speeds: FloatArray,
-    devices: list[Damper],
+    devices: Fitted | None,
     method: str,
     progress: bool,
 ) -> FloatArray:
     """Peaks over their static ones, if they have any, by the engine that they need."""
     _checks.flag("progress", progress)
     _checks.choice("method", method, METHODS)
-    for given in devices:
-        resolved = [given.resolved(crossing) for crossing in crossings]
-        crossings, device = [crossing for crossing, _ in resolved], resolved[0][1]
-        runs = [run._replace(crossing=crossing) for crossing in crossings]
-        if device is not None:
+    if devices is not None:
+        resolved = [devices.resolved(crossing) for crossing in crossings]
+        crossings, left = [crossing for crossing, _ in resolved], resolved[0][1]
+        if left is not None:
             from bridgectl.dampers.loop.damped import damped_dafs
 
-            return np.array([damped_dafs(each, device, speeds) for each in runs])
+            runs = [run._replace(crossing=crossing) for crossing in crossings]
+            return np.array([damped_dafs(each, left, speeds) for each in runs])
     return dafs_of_effects(run, crossings, speeds, method, progress)
