@@ -119,7 +119,7 @@ def crossing_response(
     _checks.choice("method", method, METHODS)
     if method == "propagator" and not motion.uniform:
         raise ValueError(f'{motion!r} is not uniform: type method="control", without a damper')
-    run = prepare(crossing, profile, start)
+    run = prepare(crossing, profile, start)._replace(motion=None if motion.uniform else motion)
     after = _checks.not_negative("tail", tail, unit="s")
     run = run._replace(end=motion.position(motion.time(run.end) + after) if after else run.end)
     judge_crossing(crossing, motion.speed, profile)

@@ -84,9 +84,9 @@ def as_response(
         damper = np.zeros((len(crossing.linear.damper_map), len(positions)))
     return control.TimeResponseData(
         motion.time(positions),
-        crossing.outputs(positions, states, forces, damper),
+        crossing.outputs(positions, states, forces, damper, motion.accelerations(positions)),
         states,
-        np.vstack([run.road(positions).T, damper]),
+        np.vstack([run.road_inputs(motion, positions), damper]),
         issiso=False,
         output_labels=crossing.output_labels,
         state_labels=crossing.state_labels,

@@ -30,10 +30,14 @@ from bridgectl.linear.nodes import cell_nodes, kink_positions
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
 from bridgectl.road import RoadProfile
+from bridgectl.road.elevations import falls_of
 from bridgectl.road.sampling import warn_if_coarse
 
 REFERENCE_TOLERANCES = {"rtol": 1e-9, "atol": 1e-13}
 """Tolerances of the reference route; the states are metres, deflections about 1e-4 of one."""
+
+FINER = 4
+"""Times in a cell of a motion that is not uniform, between which roads are linear in time."""
 
 LIFT_OFF = 1e-9
 """Fraction of its static load by which a tire force may be negative through round-off."""
@@ -43,12 +47,13 @@ BATCH_BYTES = 64e6
 
 
 class Run(NamedTuple):
-    """A crossing to simulate: where it starts and ends, and the road."""
+    """A crossing to simulate: where it starts and ends, the road, and motions but uniform ones."""
 
     crossing: Crossing
     start: float
     end: float
     profile: RoadProfile | None
+    motion: Motion | None = None
 
     def kinks(self) -> FloatArray:
         """Where the motion is not smooth: see `kink_positions`."""
@@ -56,7 +61,12 @@ class Run(NamedTuple):
         if self.profile is not None:
             # The road before the start is level: it has a kink there.
             stations = np.append(self.profile.x[self.profile.x > self.start], self.start)
-        return kink_positions(self.crossing, self.start, self.end, stations)
+        kinks = kink_positions(self.crossing, self.start, self.end, stations)
+        if self.motion is None:
+            return kinks
+        changes = np.array(self.motion.changes)
+        inside = (changes > self.start) & (changes < self.end)
+        return merge_places(np.append(kinks, changes[inside]))
 
     def nodes(self, slowest: float, refine: int = 1) -> FloatArray:
         """Nodes of the cells: see `cell_nodes`."""
@@ -68,6 +78,17 @@ class Run(NamedTuple):
         return (
             np.zeros_like(tires) if self.profile is None else self.profile.drop(tires, self.start)
         )
+
+    def road_inputs(self, motion: Motion, x: FloatArray) -> FloatArray:
+        """Inputs of the crossing's system for the road at places, (n_inputs, m)."""
+        inputs = [self.road(x).T]
+        if self.crossing.linear.tire_damping.any():
+            tires = self.crossing.tire_positions(x)
+            falls: FloatArray = np.zeros((1, 1))
+            if self.profile is not None:
+                falls = falls_of(self.profile, tires, self.start)
+            inputs.append(falls.T * motion.speeds(x) + np.zeros_like(tires.T))
+        return np.vstack(inputs)
 
 
 class Stretch(NamedTuple):
@@ -203,7 +224,8 @@ def reference_effect(run: Run, motion: Motion, positions: FloatArray) -> FloatAr
     nodes = merge_places(np.concatenate([run.kinks(), positions]))
     states, forces = simulate_reference(run, motion, nodes)
     keep = np.searchsorted(nodes, positions - SAME_PLACE)
-    return run.crossing.values(positions, states[:, keep].T, forces[:, keep].T)
+    read = positions, states[:, keep].T, forces[:, keep].T
+    return run.crossing.values(*read, motion.accelerations(positions))
 
 
 def simulate_reference(
@@ -212,34 +234,44 @@ def simulate_reference(
     """Simulate with `control.input_output_response`, the tires kept from pulling.
 
     One simulation from kink to kink, so that no integration step crosses one and none is
-    stepped over. Positions must include the kinks. Returns states (n, m) and tire forces
-    (n_tires, m).
+    stepped over. Positions must include the kinks, at which forces are those just after. Returns
+    states (n, m) and tire forces (n_tires, m).
     """
     crossing, system = run.crossing, run.crossing.system(motion)
     first_force = crossing.output_labels.index("deflection") + 1
-    road = run.road(positions)
-    inputs = np.zeros((len(crossing.input_labels), len(positions)))
-    inputs[: road.shape[1]] = road.T
     states = np.zeros((crossing.n_states, len(positions)))
-    forces = np.empty((road.shape[1], len(positions)))
+    forces = np.empty((crossing.linear.n_tires, len(positions)))
     ends = np.searchsorted(positions, run.kinks() - SAME_PLACE)
-    times = motion.time(positions)
     for first, last in pairwise(ends):
-        piece = slice(first, last + 1)
-        time = times[piece]
+        piece, finer = slice(first, last + 1), 1 if motion.uniform else FINER
+        count = finer * (last - first)
+        time = np.interp(np.arange(count + 1) / finer, np.arange(last - first + 1),
+                         motion.time(positions[piece]))  # fmt: skip
         response = control.input_output_response(
             system,
             time,
-            inputs[:, piece],
+            _road_inputs(run, motion, positions[[first, last]], time),
             states[:, first],
             solve_ivp_method="DOP853",
             # A kink is where a step may be as long as the motion allows, from the start.
             solve_ivp_kwargs={**REFERENCE_TOLERANCES, "first_step": time[-1] - time[0]},
             squeeze=False,
         )
-        states[:, piece] = response.states
-        forces[:, piece] = np.asarray(response.outputs)[first_force:][: len(forces)]
+        states[:, piece] = response.states[:, ::finer]
+        forces[:, piece] = np.asarray(response.outputs)[first_force:, ::finer][: len(forces)]
     return states, forces
+
+
+def _road_inputs(run: Run, motion: Motion, ends: FloatArray, time: FloatArray) -> FloatArray:
+    """Inputs of the crossing at times of a piece between two places, where the road is straight."""
+    places = np.clip(motion.position(time), *ends)
+    first, last = run.road(ends)
+    slopes = ((last - first) / (ends[1] - ends[0]))[:, np.newaxis]
+    inputs = np.zeros((len(run.crossing.input_labels), len(time)))
+    inputs[: len(first)] = first[:, np.newaxis] + slopes * (places - ends[0])
+    if run.crossing.linear.tire_damping.any():
+        inputs[len(first) : 2 * len(first)] = slopes * motion.speeds(places)
+    return inputs
 
 
 def first_flight(positions: FloatArray, forces: FloatArray) -> float | None:

@@ -39,6 +39,16 @@ def drops_of(elevations: FloatArray) -> FloatArray:
     return np.ascontiguousarray((elevations[:, :1] - elevations).T)
 
 
+def falls_of(road: Elevations, x: FloatArray, start: float) -> FloatArray:
+    """Return dr/dx just after stations, of r as `Elevations.drop` has it."""
+    piece = np.searchsorted(road.x, x + SAME_PLACE, side="right") - 1
+    on_road = (x > start - SAME_PLACE) & (piece < road.x.size - 1)
+    piece = np.minimum(np.maximum(piece, 0), road.x.size - 2)
+    ends = road.x[np.array([piece, piece + 1])]
+    falls = np.diff(road.drop(ends, road.x[0]), axis=0)[0] / np.diff(ends, axis=0)[0]
+    return np.where(on_road, falls, 0.0)
+
+
 class Elevations(Stations):
     """What a `bridgectl.RoadProfile` tells of its elevations."""
 
