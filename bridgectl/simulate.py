@@ -117,14 +117,14 @@ def crossing_response(
     motion = as_motion(speed)
     crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
     _checks.choice("method", method, METHODS)
-    if method == "propagator" and not motion.uniform:
-        raise ValueError(f'{motion!r} is not uniform: type method="control", without a damper')
     run = prepare(crossing, profile, start)._replace(motion=None if motion.uniform else motion)
     after = _checks.not_negative("tail", tail, unit="s")
     run = run._replace(end=motion.position(motion.time(run.end) + after) if after else run.end)
     judge_crossing(crossing, motion.speed, profile)
     asked = None if timepts is None else motion.position(checked_times(timepts, run, motion))
     devices = fitted(damper, vehicle, method)
+    if devices and not motion.uniform:
+        raise ValueError(f"{motion!r} is not uniform: type a speed, or no damper")
     if not devices:
         return as_response(run, motion, *linear_response(run, motion, asked, method))
     from bridgectl.dampers.loop.damped import damped_response

@@ -170,7 +170,8 @@ class _Stretch:
         """States of the modes at fractions of a cell."""
         crossing, ends = self.run.crossing, self.nodes[cell : cell + 2]
         forces = self.stages[np.newaxis, cell : cell + 1, 0]
-        loads = modal_forces(crossing, ends[:1], np.diff(ends), forces)[0, 0]
+        places = ends[:1, np.newaxis] + np.diff(ends)[:, np.newaxis] * FORCE_POINTS
+        loads = modal_forces(crossing, places, forces)[0, 0]
         start = self.states[cell, crossing.n_vehicle :].reshape(-1, 1, 2, 1)
         free, held = (
             of[0, 0] for of in mode_responses(crossing.beam, duration, FORCE_POINTS, fractions)

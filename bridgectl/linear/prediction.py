@@ -144,30 +144,30 @@ def predict(
     crossing, n, first = run.crossing, run.crossing.n_states, 0
     durations = np.diff(nodes) / speed
     transitions, offsets = np.zeros((len(durations), n, n)), np.zeros((len(durations), n))
-    for cells, road, *_ in stretches or propagate(run, np.array([speed]), nodes):
+    for _, cells, *_ in stretches or propagate(run, np.array([speed]), nodes):
         own, size = slice(first, first + len(cells.kind)), cells.n_states
         maps = cells.transitions()[0, cells.map_of, :size]
         transitions[own, :size, :size] = maps[..., :size]
-        offsets[own, :size] = (maps[..., size:] @ road_rows(road)[..., np.newaxis])[..., 0]
+        offsets[own, :size] = (
+            maps[..., size:] @ road_rows(run.road(cells.nodes))[..., np.newaxis]
+        )[..., 0]
         first = own.stop
     velocities = np.zeros((len(crossing.linear.damper_map), n))
     velocities[:, : crossing.n_vehicle] = crossing.linear.damper_map @ crossing.linear.velocities
     return Prediction(
         nodes, durations, transitions, offsets, crossing.damper_matrix, velocities,
-        *_effects(run, nodes), bridge_entry(nodes),
+        *_effects(run, speed, nodes), bridge_entry(nodes),
     )  # fmt: skip
 
 
-def _effects(run: Run, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _effects(run: Run, speed: float, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Rows and constants of the crossing's effect at the nodes, 0 on the approach.
 
     The effect is affine in the states: its values at rest and at each unit state tell.
     """
-    crossing, n, on = run.crossing, run.crossing.n_vehicle, slice(bridge_entry(nodes), None)
+    crossing, on = run.crossing, slice(bridge_entry(nodes), None)
     x, units = nodes[on], np.eye(crossing.n_states + 1, crossing.n_states, -1)
-    deflections = np.einsum("ckj,sj->sck", crossing.tire_shapes(x), units[:, n::2])
-    hubs = (units[:, :n] @ crossing.linear.hubs.T)[:, np.newaxis]
-    forces = crossing.tire_forces(hubs, deflections, run.road(x))
+    forces = run.forces(x, units[:, np.newaxis], np.full(len(x), speed))
     values = np.zeros((len(nodes), len(units)))
     values[on] = crossing.values(x, units[:, np.newaxis], forces).T
     return values[:, 1:] - values[:, :1], values[:, 0]

@@ -31,10 +31,10 @@ def linear_response(
 
     Of shapes (m,), (n, m) and (n_tires, m). The propagator takes motions of constant speed alone.
     """
-    crossing, speed = run.crossing, np.array([motion.speed])
-    tail = (run.end - crossing.exit) / motion.speed
+    crossing, slowest = run.crossing, run.slowest(motion.speed)
+    speed, tail = np.array([slowest]), (run.end - crossing.exit) / slowest
     require_crossing(run, speed, tail=tail, refine=4)
-    nodes = run.nodes(motion.speed, refine=4)
+    nodes = run.nodes(slowest, refine=4)
     keep = np.arange(len(nodes))
     if asked is not None:
         nodes = merge_places(np.concatenate([asked, nodes]))
@@ -45,10 +45,13 @@ def linear_response(
         stretches = runs.propagate(run, speed, nodes)
         if not runs.lifts_off(crossing, stretches)[0]:
             return nodes[keep], *runs.at_nodes(crossing, stretches, keep)
-        flight = fly(run, motion.speed, nodes)
-        # The places of lift-offs and landings are among its nodes.
-        keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
-        nodes, states, forces = flight.nodes, flight.states, flight.forces
+        if run.plain:
+            flight = fly(run, motion.speed, nodes)
+            # The places of lift-offs and landings are among its nodes.
+            keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
+            nodes, states, forces = flight.nodes, flight.states, flight.forces
+        else:
+            states, forces = runs.simulate_reference(run, motion, nodes)
     place = runs.first_flight(nodes, forces)
     if place is not None:
         warn_of_flight(place)
@@ -117,7 +120,7 @@ def linear_dafs(
             samples = runs.effect_samples(crossing, stretches[-1])
             result[batch] = find_peaks(samples.T).values
             linear[batch] = ~runs.lifts_off(crossing, stretches)
-    simulate = _flying_peak if method == "propagator" else _reference_peak
+    simulate = _flying_peak if run.plain and method == "propagator" else _reference_peak
     flights = {}
     flying = np.nonzero(~linear)[0]
     for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
@@ -137,11 +140,12 @@ def _flying_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
 
 def _reference_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
     """The same by the reference route."""
-    nodes = run.nodes(speed)
-    positions = sample_positions(nodes)
-    states, forces = runs.simulate_reference(run, Motion(speed), positions)
-    effect = run.crossing.values(positions, states.T, forces.T)
-    return _peak(effect, nodes), runs.first_flight(positions, forces)
+    nodes, motion = run.nodes(speed), run.motion or Motion(speed)
+    positions = sample_positions(nodes, run.motion)
+    states, forces = runs.simulate_reference(run, motion, positions)
+    effect = runs.reference_samples(run, motion, nodes, states, forces)
+    peak = float(find_peaks(effect[:, np.newaxis]).values[0])
+    return peak, runs.first_flight(positions, forces)
 
 
 def _peak(samples: FloatArray, nodes: FloatArray) -> float:

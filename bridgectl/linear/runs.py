@@ -21,12 +21,15 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl.linear.cells import (
     N_STAGES,
+    SAMPLES,
     Cells,
     bridge_entry,
     build_cells,
     road_rows,
+    sample_positions,
 )
 from bridgectl.linear.nodes import cell_nodes, kink_positions
+from bridgectl.linear.pace import speeds_at
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
 from bridgectl.road import RoadProfile
@@ -35,6 +38,9 @@ from bridgectl.road.sampling import warn_if_coarse
 
 REFERENCE_TOLERANCES = {"rtol": 1e-9, "atol": 1e-13}
 """Tolerances of the reference route; the states are metres, deflections about 1e-4 of one."""
+
+BESIDE = 2 * SAME_PLACE
+"""How far from a place [m] what is just before or just after it is looked for."""
 
 FINER = 4
 """Times in a cell of a motion that is not uniform, between which roads are linear in time."""
@@ -70,7 +76,7 @@ class Run(NamedTuple):
 
     def nodes(self, slowest: float, refine: int = 1) -> FloatArray:
         """Nodes of the cells: see `cell_nodes`."""
-        return cell_nodes(self.crossing, slowest, self.kinks(), refine)
+        return cell_nodes(self.crossing, self.slowest(slowest), self.kinks(), refine)
 
     def road(self, x: FloatArray) -> FloatArray:
         """Road r under each tire for the reference tire at x, positive downward [m]."""
@@ -83,22 +89,75 @@ class Run(NamedTuple):
         """Inputs of the crossing's system for the road at places, (n_inputs, m)."""
         inputs = [self.road(x).T]
         if self.crossing.linear.tire_damping.any():
-            tires = self.crossing.tire_positions(x)
-            falls: FloatArray = np.zeros((1, 1))
-            if self.profile is not None:
-                falls = falls_of(self.profile, tires, self.start)
-            inputs.append(falls.T * motion.speeds(x) + np.zeros_like(tires.T))
+            inputs.append(self._falls(x).T * motion.speeds(x))
         return np.vstack(inputs)
+
+    def forces(
+        self, x: FloatArray, states: FloatArray, speeds: FloatArray, *, before: bool = False
+    ) -> FloatArray:
+        """Tire forces at places from states there, as if tires could pull, (..., m, n_tires).
+
+        Of states (..., m, n), which may be those of the vehicle alone, and speeds (..., m). Tires
+        with damping feel a kink with a jump: forces are those just after it, or just before.
+        """
+        crossing, n = self.crossing, self.crossing.n_vehicle
+        beside, road = x, self.road(x)
+        if crossing.linear.tire_damping.any():
+            beside = x + (-BESIDE if before else BESIDE)
+            road = road + crossing.linear.tire_lags * self._falls(beside) * speeds[..., np.newaxis]
+        deflections: FloatArray = np.zeros(1)
+        if states.shape[-1] > n:
+            shapes, rates = crossing.tire_shapes(beside), crossing.shape_rates(beside, speeds)
+            deflections = crossing.leading_deflections(states[..., n:], shapes, rates)
+        hubs = states[..., :n] @ crossing.linear.leading_hubs.T
+        return crossing.tire_forces(hubs, deflections, road)
+
+    def _falls(self, x: FloatArray) -> FloatArray:
+        """Slope of the road under each tire just after places, (m, n_tires)."""
+        tires = self.crossing.tire_positions(x)
+        return (
+            np.zeros_like(tires)
+            if self.profile is None
+            else falls_of(self.profile, tires, self.start)
+        )
+
+    def slowest(self, speed: float) -> float:
+        """The lowest speed of the motion [m/s], or the constant one."""
+        if self.motion is None:
+            return speed
+        places = [x for x in self.motion.changes if self.start < x < self.end]
+        return float(self.motion.speeds(np.array([self.start, *places, self.end])).min())
+
+    def pitched(self, nodes: FloatArray) -> FloatArray:
+        """States of the vehicle at rest under the acceleration in each cell, (C, n_vehicle)."""
+        at_rest = self.crossing.linear.pitched
+        if self.motion is None:
+            return np.zeros((1, len(at_rest)))
+        return np.outer(self.motion.accelerations((nodes[:-1] + nodes[1:]) / 2), at_rest)
+
+    @property
+    def plain(self) -> bool:
+        """Whether the speed is constant and the tires are springs alone."""
+        return self.motion is None and not self.crossing.linear.tire_damping.any()
+
+    @property
+    def jumps(self) -> bool:
+        """Whether what is looked at may jump at the nodes."""
+        vehicle = self.crossing.linear
+        return bool(vehicle.tire_damping.any()) or (
+            self.motion is not None and bool(vehicle.pitch_input.any())
+        )
 
 
 class Stretch(NamedTuple):
     """The approach or the bridge, simulated: `Cells.propagate` for one road.
 
-    `road` has shape (C + 1, n_tires), `states` (S, C + 1, n), `stages` (S, C, 2 q).
+    `states` have the shape (S, C + 1, n), `stages` (S, C, 2 q), `speeds` at the nodes (S, C + 1).
     """
 
+    run: Run
     cells: Cells
-    road: FloatArray
+    speeds: FloatArray
     states: FloatArray
     stages: FloatArray
 
@@ -144,54 +203,106 @@ def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> 
 
 
 def propagate(run: Run, speeds: FloatArray, nodes: FloatArray) -> list[Stretch]:
-    """Simulate the linear crossing: the approach if there is one, then the bridge."""
+    """Simulate the linear crossing: the approach if there is one, then the bridge.
+
+    At the speeds [m/s], or with the run's motion, whatever speed is given then.
+    """
     crossing, entry = run.crossing, bridge_entry(nodes)
     initial = np.zeros((len(speeds), crossing.n_states, 1))
     stretches = []
     if entry > 0:
-        cells = build_cells(crossing, speeds, nodes[: entry + 1], on_bridge=False)
-        approach = _through(run, cells, initial[:, : crossing.n_vehicle])
+        approach = _through(run, speeds, nodes[: entry + 1], initial[:, : crossing.n_vehicle])
         initial[:, : crossing.n_vehicle, 0] = approach.states[:, -1]
         stretches.append(approach)
-    cells = build_cells(crossing, speeds, nodes[entry:], on_bridge=True)
-    return [*stretches, _through(run, cells, initial)]
+    return [*stretches, _through(run, speeds, nodes[entry:], initial)]
 
 
-def _through(run: Run, cells: Cells, initial: FloatArray) -> Stretch:
-    road = run.road(cells.nodes)
-    states, stages = cells.propagate(road_rows(road)[..., np.newaxis], initial)
-    return Stretch(cells, road, states[..., 0], stages[..., 0])
+def _through(run: Run, speeds: FloatArray, nodes: FloatArray, initial: FloatArray) -> Stretch:
+    crossing, motion = run.crossing, run.motion
+    on_bridge = initial.shape[1] > crossing.n_vehicle
+    cells = build_cells(crossing, speeds, nodes, on_bridge=on_bridge, motion=motion)
+    accelerations = None
+    if motion is not None and cells.pitched is not None:
+        accelerations = motion.accelerations((nodes[:-1] + nodes[1:]) / 2)
+    rows = road_rows(run.road(nodes), accelerations)[..., np.newaxis]
+    states, stages = cells.propagate(rows, initial)
+    return Stretch(run, cells, speeds_at(nodes, speeds, motion), states[..., 0], stages[..., 0])
 
 
 def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
-    """The crossing's effect at `sample_positions` of the bridge's cells, (S, n_samples)."""
-    at_nodes = crossing.values(bridge.cells.nodes, bridge.states, node_forces(crossing, bridge))
-    inner = bridge.cells.inner_effects(bridge.states[:, :-1], bridge.stages)
+    """The crossing's effect at `sample_positions` of the bridge's cells, (S, n_samples).
+
+    Where it may jump at the nodes there are cells in between, as `connected` makes them.
+    """
+    run, nodes, states = bridge.run._replace(crossing=crossing), bridge.cells.nodes, bridge.states
+    at_nodes = _effect_at(run, nodes, states, node_forces(crossing, bridge))
+    inner = bridge.cells.inner_effects(states[:, :-1], bridge.stages)
+    if run.motion is not None and bridge.cells.pitched is not None:
+        a = run.motion.accelerations((nodes[:-1] + nodes[1:]) / 2)[:, np.newaxis]
+        moved = bridge.cells.effect_from_states @ bridge.cells.pitched
+        rows = run.crossing.rows(nodes[0]).per_state @ bridge.cells.pitched
+        inner += a * (rows - moved[:, bridge.cells.kind] + run.crossing.per_acceleration)
     inner = np.concatenate([at_nodes[:, :-1, np.newaxis], inner], axis=2)
-    return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
+    if not run.jumps:
+        return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
+    ends = _effect_at(run, nodes, states, node_forces(crossing, bridge, before=True), before=True)
+    return connected(inner, ends[:, 1:])
+
+
+def _effect_at(
+    run: Run, x: FloatArray, states: FloatArray, forces: FloatArray, *, before: bool = False
+) -> FloatArray:
+    """The crossing's effect at places, just after them or just before."""
+    a: FloatArray | float = 0.0
+    if run.motion is not None:
+        a = run.motion.accelerations(x + (-BESIDE if before else BESIDE))
+    return run.crossing.values(x, states, forces, a)
+
+
+def reference_samples(
+    run: Run, motion: Motion, nodes: FloatArray, states: FloatArray, forces: FloatArray
+) -> FloatArray:
+    """As `effect_samples`, from states and forces at all samples by the reference, (n_samples,)."""
+    first, x = len(SAMPLES) * bridge_entry(nodes), sample_positions(nodes, run.motion)
+    after = _effect_at(run, x, states.T, forces.T)[first:]
+    if not run.jumps:
+        return after
+    ends = slice(first + len(SAMPLES), None, len(SAMPLES))
+    x, states = x[ends], states[:, ends]
+    before = contact_forces(run, motion, x, states, before=True)
+    last = _effect_at(run, x, states.T, before.T, before=True)
+    return connected(after[:-1].reshape(-1, len(SAMPLES)), last)
+
+
+def connected(samples: FloatArray, ends: FloatArray) -> FloatArray:
+    """Samples with cells between those of the bridge, on which what jumps there is straight.
+
+    Of cells with a jump at their ends: samples (..., C, 6), and what is just before the ends,
+    (..., C), become (..., 12 C - 5).
+    """
+    after = np.concatenate([samples[..., 1:, 0], ends[..., -1:]], axis=-1)
+    steps = np.arange(len(SAMPLES)) / len(SAMPLES)
+    jumps = ends[..., np.newaxis] + (after - ends)[..., np.newaxis] * steps
+    every = np.stack([samples, jumps], axis=-2)
+    return every.reshape(*samples.shape[:-2], -1)[..., : 1 - len(SAMPLES)]
 
 
 def lifts_off(crossing: Crossing, stretches: list[Stretch]) -> NDArray[np.bool_]:
     """At which speeds some tire would have to pull, shape (S,)."""
     least = np.full(len(stretches[0].states), np.inf)
     for stretch in stretches:
-        at_nodes = node_forces(crossing, stretch) / crossing.linear.static_loads
         loads = np.tile(crossing.linear.static_loads, N_STAGES)
-        least = np.minimum(least, at_nodes.min(axis=(1, 2)))
+        for before in (False, True) if stretch.run.jumps else (False,):
+            at_nodes = node_forces(crossing, stretch, before=before) / crossing.linear.static_loads
+            least = np.minimum(least, at_nodes.min(axis=(1, 2)))
         least = np.minimum(least, (stretch.forces / loads).min(axis=(1, 2)))
     return np.asarray(least < -LIFT_OFF)
 
 
-def node_forces(crossing: Crossing, stretch: Stretch) -> FloatArray:
-    """Tire forces at the nodes, shape (S, C + 1, n_tires)."""
-    n, states = crossing.n_vehicle, stretch.states
-    deflections = np.zeros(1)
-    if states.shape[-1] > n:
-        shapes = crossing.tire_shapes(stretch.cells.nodes)
-        deflections = np.einsum("ckj,scj->sck", shapes, states[:, :, n::2])
-    return crossing.tire_forces(
-        states[:, :, :n] @ crossing.linear.hubs.T, deflections, stretch.road
-    )
+def node_forces(crossing: Crossing, stretch: Stretch, *, before: bool = False) -> FloatArray:
+    """Tire forces at the nodes, (S, C + 1, n_tires): see `Run.forces`."""
+    run = stretch.run._replace(crossing=crossing)
+    return run.forces(stretch.cells.nodes, stretch.states, stretch.speeds, before=before)
 
 
 def at_nodes(
@@ -259,7 +370,17 @@ def simulate_reference(
         )
         states[:, piece] = response.states[:, ::finer]
         forces[:, piece] = np.asarray(response.outputs)[first_force:, ::finer][: len(forces)]
+    if run.jumps:
+        return states, contact_forces(run, motion, positions, states)
     return states, forces
+
+
+def contact_forces(
+    run: Run, motion: Motion, x: FloatArray, states: FloatArray, *, before: bool = False
+) -> FloatArray:
+    """Tire forces of one crossing kept from pulling, (n_tires, m): see `Run.forces`."""
+    speeds = motion.speeds(x)
+    return np.maximum(run.forces(x, states.T, speeds, before=before), 0.0).T
 
 
 def _road_inputs(run: Run, motion: Motion, ends: FloatArray, time: FloatArray) -> FloatArray:

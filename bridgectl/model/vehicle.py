@@ -291,6 +291,12 @@ class Vehicle:
         """Input vector of the acceleration along the road [m/s^2], shape (2 n,)."""
         return np.asarray(self.velocities.T @ np.linalg.solve(self.mass_matrix, self.pitch_input))
 
+    @cached_property
+    def pitched(self) -> FloatArray:
+        """States at rest under an acceleration along the road, per m/s^2 [s^2], shape (2 n,)."""
+        at_rest = np.linalg.solve(self._supported_stiffness, self.pitch_input)
+        return np.asarray(self.displacements.T @ at_rest)
+
     @property
     def undamped(self) -> Vehicle:
         """The vehicle without its passive dampers, `damper_dampings`: controlled ones stay."""
