@@ -183,11 +183,12 @@ class _Stretch:
 def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
     """Simulate a crossing at a speed [m/s] with its tires kept from pulling, R >= 0.
 
-    Its vehicle starts in equilibrium on a level road. The nodes of the cells [m] hold all kinks.
+    Its vehicle starts at rest on the road under each axle. The nodes [m] hold all kinks.
     """
     loads = run.crossing.linear.static_loads
     touching, turned, count = np.ones(len(loads), dtype=bool), False, FEWEST_CELLS
-    parts, x, state = [], nodes[0], np.zeros(run.crossing.n_states)
+    parts, x, state = [], nodes[0], run.initial()
+    first_state, first_force = state, run.forces(x, state, np.array(speed))
     while x < nodes[-1]:
         first, entry = np.searchsorted(nodes, x, side="right"), bridge_entry(nodes)
         # The modes are at rest before the bridge.
@@ -208,8 +209,8 @@ def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
             turned, count = True, FEWEST_CELLS
         x, state = parts[-1].ends[-1], parts[-1].states[-1]
     ends, states, forces, inner = (np.concatenate(of) for of in zip(*parts, strict=True))
-    ends, forces = np.append(nodes[0], ends), np.vstack([loads, forces])
-    states = np.vstack([np.zeros(run.crossing.n_states), states])
+    ends, forces = np.append(nodes[0], ends), np.vstack([first_force, forces])
+    states = np.vstack([first_state, states])
     at_nodes = run.crossing.values(ends, states, forces)
     effects = np.column_stack([at_nodes[:-1], inner]).ravel()
     return Flight(ends, states.T, forces.T, np.append(effects, at_nodes[-1]))

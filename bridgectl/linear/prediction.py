@@ -44,6 +44,8 @@ class Prediction:
     effect_constants: FloatArray
     """A factor."""
     entry: int
+    initial: FloatArray
+    """[m, m/s]"""
 
     def __repr__(self) -> str:
         x, (n, n_dampers) = self.positions, self.damper_input.shape
@@ -69,7 +71,7 @@ def prediction_matrices(
 
     For control with preview, bounds and optimization. With the tires in contact::
 
-        x_(k+1) = transitions[k] @ (x_k + damper_input @ z_k) + offsets[k],   x_0 = 0
+        x_(k+1) = transitions[k] @ (x_k + damper_input @ z_k) + offsets[k],   x_0 = initial
         effect_k = effect_rows[k] @ x_k + effect_constants[k]
         v_k = velocity_rows @ x_k
 
@@ -96,6 +98,8 @@ def prediction_matrices(
         - effect_rows (C + 1, n) and effect_constants (C + 1,) of the effect over its static peak,
           if it has one, with the road and the static loads; of what counts by its smallest value,
           and is positive, its negative.
+
+        - initial (n,) [m, m/s]: the states at the start, at rest on the road under each axle.
 
         On the approach the bridge is at rest: its states are 0, and so are all rows.
 
@@ -156,7 +160,7 @@ def predict(
     velocities[:, : crossing.n_vehicle] = crossing.linear.damper_map @ crossing.linear.velocities
     return Prediction(
         nodes, durations, transitions, offsets, crossing.damper_matrix, velocities,
-        *_effects(run, speed, nodes), bridge_entry(nodes),
+        *_effects(run, speed, nodes), bridge_entry(nodes), run.initial(),
     )  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl._progress import track
 from bridgectl._units import to_kmh
-from bridgectl.linear import runs
+from bridgectl.linear import reference, runs
 from bridgectl.linear.cells import SAMPLES, bridge_entry, sample_positions
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.lift_off import fly, warn_of_flight, warn_of_flights
@@ -40,7 +40,7 @@ def linear_response(
         nodes = merge_places(np.concatenate([asked, nodes]))
         keep = np.searchsorted(nodes, asked - SAME_PLACE)
     if method == "control":
-        states, forces = runs.simulate_reference(run, motion, nodes)
+        states, forces = reference.simulate_reference(run, motion, nodes)
     else:
         stretches = runs.propagate(run, speed, nodes)
         if not runs.lifts_off(crossing, stretches)[0]:
@@ -51,7 +51,7 @@ def linear_response(
             keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
             nodes, states, forces = flight.nodes, flight.states, flight.forces
         else:
-            states, forces = runs.simulate_reference(run, motion, nodes)
+            states, forces = reference.simulate_reference(run, motion, nodes)
     place = runs.first_flight(nodes, forces)
     if place is not None:
         warn_of_flight(place)
@@ -142,8 +142,8 @@ def _reference_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
     """The same by the reference route."""
     nodes, motion = run.nodes(speed), run.motion or Motion(speed)
     positions = sample_positions(nodes, run.motion)
-    states, forces = runs.simulate_reference(run, motion, positions)
-    effect = runs.reference_samples(run, motion, nodes, states, forces)
+    states, forces = reference.simulate_reference(run, motion, positions)
+    effect = reference.reference_samples(run, motion, nodes, states, forces)
     peak = float(find_peaks(effect[:, np.newaxis]).values[0])
     return peak, runs.first_flight(positions, forces)
 

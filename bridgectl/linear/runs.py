@@ -9,10 +9,8 @@ places.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import NamedTuple
 
-import control
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,7 +24,6 @@ from bridgectl.linear.cells import (
     bridge_entry,
     build_cells,
     road_rows,
-    sample_positions,
 )
 from bridgectl.linear.nodes import cell_nodes, kink_positions
 from bridgectl.linear.pace import speeds_at
@@ -36,14 +33,8 @@ from bridgectl.road import RoadProfile
 from bridgectl.road.elevations import falls_of
 from bridgectl.road.sampling import warn_if_coarse
 
-REFERENCE_TOLERANCES = {"rtol": 1e-9, "atol": 1e-13}
-"""Tolerances of the reference route; the states are metres, deflections about 1e-4 of one."""
-
 BESIDE = 2 * SAME_PLACE
 """How far from a place [m] what is just before or just after it is looked for."""
-
-FINER = 4
-"""Times in a cell of a motion that is not uniform, between which roads are linear in time."""
 
 LIFT_OFF = 1e-9
 """Fraction of its static load by which a tire force may be negative through round-off."""
@@ -63,10 +54,7 @@ class Run(NamedTuple):
 
     def kinks(self) -> FloatArray:
         """Where the motion is not smooth: see `kink_positions`."""
-        stations = np.zeros(0)
-        if self.profile is not None:
-            # The road before the start is level: it has a kink there.
-            stations = np.append(self.profile.x[self.profile.x > self.start], self.start)
+        stations = np.zeros(0) if self.profile is None else self.profile.x
         kinks = kink_positions(self.crossing, self.start, self.end, stations)
         if self.motion is None:
             return kinks
@@ -81,9 +69,20 @@ class Run(NamedTuple):
     def road(self, x: FloatArray) -> FloatArray:
         """Road r under each tire for the reference tire at x, positive downward [m]."""
         tires = self.crossing.tire_positions(x)
-        return (
-            np.zeros_like(tires) if self.profile is None else self.profile.drop(tires, self.start)
+        if self.profile is None:
+            return np.zeros_like(tires)
+        return self.profile.drop(tires, self.start, level=False)
+
+    def initial(self) -> FloatArray:
+        """States at the start: the vehicle at rest on the road under each axle, the bridge too."""
+        vehicle, state = self.crossing.linear, np.zeros(self.crossing.n_states)
+        if self.profile is None or vehicle.n_tires == 1:
+            return state
+        road = self.road(np.array(self.start))
+        state[: self.crossing.n_vehicle] = vehicle.at_rest(
+            vehicle.tire_map.T @ (vehicle.tire_stiffnesses * road)
         )
+        return state
 
     def road_inputs(self, motion: Motion, x: FloatArray) -> FloatArray:
         """Inputs of the crossing's system for the road at places, (n_inputs, m)."""
@@ -115,11 +114,7 @@ class Run(NamedTuple):
     def _falls(self, x: FloatArray) -> FloatArray:
         """Slope of the road under each tire just after places, (m, n_tires)."""
         tires = self.crossing.tire_positions(x)
-        return (
-            np.zeros_like(tires)
-            if self.profile is None
-            else falls_of(self.profile, tires, self.start)
-        )
+        return np.zeros_like(tires) if self.profile is None else falls_of(self.profile, tires)
 
     def slowest(self, speed: float) -> float:
         """The lowest speed of the motion [m/s], or the constant one."""
@@ -208,7 +203,7 @@ def propagate(run: Run, speeds: FloatArray, nodes: FloatArray) -> list[Stretch]:
     At the speeds [m/s], or with the run's motion, whatever speed is given then.
     """
     crossing, entry = run.crossing, bridge_entry(nodes)
-    initial = np.zeros((len(speeds), crossing.n_states, 1))
+    initial = np.repeat(run.initial()[np.newaxis, :, np.newaxis], len(speeds), axis=0)
     stretches = []
     if entry > 0:
         approach = _through(run, speeds, nodes[: entry + 1], initial[:, : crossing.n_vehicle])
@@ -235,7 +230,7 @@ def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
     Where it may jump at the nodes there are cells in between, as `connected` makes them.
     """
     run, nodes, states = bridge.run._replace(crossing=crossing), bridge.cells.nodes, bridge.states
-    at_nodes = _effect_at(run, nodes, states, node_forces(crossing, bridge))
+    at_nodes = effect_at(run, nodes, states, node_forces(crossing, bridge))
     inner = bridge.cells.inner_effects(states[:, :-1], bridge.stages)
     if run.motion is not None and bridge.cells.pitched is not None:
         a = run.motion.accelerations((nodes[:-1] + nodes[1:]) / 2)[:, np.newaxis]
@@ -245,11 +240,11 @@ def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
     inner = np.concatenate([at_nodes[:, :-1, np.newaxis], inner], axis=2)
     if not run.jumps:
         return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
-    ends = _effect_at(run, nodes, states, node_forces(crossing, bridge, before=True), before=True)
+    ends = effect_at(run, nodes, states, node_forces(crossing, bridge, before=True), before=True)
     return connected(inner, ends[:, 1:])
 
 
-def _effect_at(
+def effect_at(
     run: Run, x: FloatArray, states: FloatArray, forces: FloatArray, *, before: bool = False
 ) -> FloatArray:
     """The crossing's effect at places, just after them or just before."""
@@ -257,21 +252,6 @@ def _effect_at(
     if run.motion is not None:
         a = run.motion.accelerations(x + (-BESIDE if before else BESIDE))
     return run.crossing.values(x, states, forces, a)
-
-
-def reference_samples(
-    run: Run, motion: Motion, nodes: FloatArray, states: FloatArray, forces: FloatArray
-) -> FloatArray:
-    """As `effect_samples`, from states and forces at all samples by the reference, (n_samples,)."""
-    first, x = len(SAMPLES) * bridge_entry(nodes), sample_positions(nodes, run.motion)
-    after = _effect_at(run, x, states.T, forces.T)[first:]
-    if not run.jumps:
-        return after
-    ends = slice(first + len(SAMPLES), None, len(SAMPLES))
-    x, states = x[ends], states[:, ends]
-    before = contact_forces(run, motion, x, states, before=True)
-    last = _effect_at(run, x, states.T, before.T, before=True)
-    return connected(after[:-1].reshape(-1, len(SAMPLES)), last)
 
 
 def connected(samples: FloatArray, ends: FloatArray) -> FloatArray:
@@ -327,72 +307,6 @@ def linear_contact(run: Run, speeds: FloatArray) -> NDArray[np.bool_]:
         nodes = run.nodes(float(speeds[batch].min()))
         contact[batch] = ~lifts_off(run.crossing, propagate(run, speeds[batch], nodes))
     return contact
-
-
-def reference_effect(run: Run, motion: Motion, positions: FloatArray) -> FloatArray:
-    """The crossing's effect at positions by the reference path, shape (m,)."""
-    # The simulation starts on the approach, whatever positions are asked for.
-    nodes = merge_places(np.concatenate([run.kinks(), positions]))
-    states, forces = simulate_reference(run, motion, nodes)
-    keep = np.searchsorted(nodes, positions - SAME_PLACE)
-    read = positions, states[:, keep].T, forces[:, keep].T
-    return run.crossing.values(*read, motion.accelerations(positions))
-
-
-def simulate_reference(
-    run: Run, motion: Motion, positions: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Simulate with `control.input_output_response`, the tires kept from pulling.
-
-    One simulation from kink to kink, so that no integration step crosses one and none is
-    stepped over. Positions must include the kinks, at which forces are those just after. Returns
-    states (n, m) and tire forces (n_tires, m).
-    """
-    crossing, system = run.crossing, run.crossing.system(motion)
-    first_force = crossing.output_labels.index("deflection") + 1
-    states = np.zeros((crossing.n_states, len(positions)))
-    forces = np.empty((crossing.linear.n_tires, len(positions)))
-    ends = np.searchsorted(positions, run.kinks() - SAME_PLACE)
-    for first, last in pairwise(ends):
-        piece, finer = slice(first, last + 1), 1 if motion.uniform else FINER
-        count = finer * (last - first)
-        time = np.interp(np.arange(count + 1) / finer, np.arange(last - first + 1),
-                         motion.time(positions[piece]))  # fmt: skip
-        response = control.input_output_response(
-            system,
-            time,
-            _road_inputs(run, motion, positions[[first, last]], time),
-            states[:, first],
-            solve_ivp_method="DOP853",
-            # A kink is where a step may be as long as the motion allows, from the start.
-            solve_ivp_kwargs={**REFERENCE_TOLERANCES, "first_step": time[-1] - time[0]},
-            squeeze=False,
-        )
-        states[:, piece] = response.states[:, ::finer]
-        forces[:, piece] = np.asarray(response.outputs)[first_force:, ::finer][: len(forces)]
-    if run.jumps:
-        return states, contact_forces(run, motion, positions, states)
-    return states, forces
-
-
-def contact_forces(
-    run: Run, motion: Motion, x: FloatArray, states: FloatArray, *, before: bool = False
-) -> FloatArray:
-    """Tire forces of one crossing kept from pulling, (n_tires, m): see `Run.forces`."""
-    speeds = motion.speeds(x)
-    return np.maximum(run.forces(x, states.T, speeds, before=before), 0.0).T
-
-
-def _road_inputs(run: Run, motion: Motion, ends: FloatArray, time: FloatArray) -> FloatArray:
-    """Inputs of the crossing at times of a piece between two places, where the road is straight."""
-    places = np.clip(motion.position(time), *ends)
-    first, last = run.road(ends)
-    slopes = ((last - first) / (ends[1] - ends[0]))[:, np.newaxis]
-    inputs = np.zeros((len(run.crossing.input_labels), len(time)))
-    inputs[: len(first)] = first[:, np.newaxis] + slopes * (places - ends[0])
-    if run.crossing.linear.tire_damping.any():
-        inputs[len(first) : 2 * len(first)] = slopes * motion.speeds(places)
-    return inputs
 
 
 def first_flight(positions: FloatArray, forces: FloatArray) -> float | None:

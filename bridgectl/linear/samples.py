@@ -29,17 +29,16 @@ from bridgectl.linear.lift_off import fly, warn_of_flights
 from bridgectl.linear.modes import mode_responses
 from bridgectl.linear.pace import Pace, responses
 from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.reference import contact_forces, simulate_reference
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import (
     Run,
     Stretch,
     connected,
-    contact_forces,
     first_flight,
     lifts_off,
     node_forces,
     propagate,
-    simulate_reference,
     speed_batches,
 )
 from bridgectl.model.bridge import BridgeModel

@@ -16,6 +16,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_vehicle
 from bridgectl.model.vehicle_checks import (
     check_matrices,
+    check_tires,
     damping_of_tires,
     lower_ends,
     unique_names,
@@ -36,10 +37,10 @@ class Vehicle:
         R_k = W_k + K_tk e_k + C_tk e_k',     e_k = T_k y - v(x_k, t) - r(x_k)      (Eq. (2))
 
     with tire k at x_k, of the reference tire less d_k, and R_k >= 0. `K` and `C` hold the
-    suspension only: the tires enter through R. Under a tire that moves by c the deflection and
-    the road change at the rate v_t + c (v_x + r_x): the convective term of tire damping. F_d are
-    the forces of controlled dampers, on top of `C`, positive in the sense of a damper that opposes
-    the relative velocity D y'; a is the acceleration along the road (see `bridgectl.Motion`).
+    suspension only: the tires enter through R. Under a tire that moves at c, deflection and road
+    change at the rate v_t + c (v_x + r_x): the convective term of tire damping. F_d are the forces
+    of controlled dampers, on top of `C`, positive in the sense of a damper that opposes D y'; a is
+    the acceleration along the road (see `bridgectl.Motion`).
 
     Parameters
     ----------
@@ -48,8 +49,7 @@ class Vehicle:
     tire_stiffnesses : array_like, shape (n_tires,)
         K_t of each tire [N/m].
     tire_offsets : array_like, shape (n_tires,), optional
-        Distance d_k of each tire behind the reference tire [m], 0 for that one and 0 or
-        more for the others. Default: zeros.
+        Distance d_k of each tire behind the reference tire [m], 0 or more. Default: zeros.
     tire_map : array_like, shape (n_tires, n), optional
         T, dimensionless for translations: the displacement of each tire's hub from the
         coordinates. Default: the last n_tires coordinates are the hubs.
@@ -72,9 +72,8 @@ class Vehicle:
     tire_damping : float or array_like, shape (n_tires,), optional
         Damping C_t of the tires [N s/m], one for all or one each. Default: none.
     pitch_input : array_like, shape (n,), optional
-        P, generalised force on each coordinate per acceleration along the road [kg, kg m of a
-        rotation]: of a body of mass m, h above the road, m h on a pitch that lifts the front.
-        Default: zeros.
+        P, force on each coordinate per acceleration along the road [kg, kg m of a rotation]: of a
+        body of mass m, h above the road, m h on a pitch that lifts the front. Default: zeros.
 
     Raises
     ------
@@ -172,8 +171,11 @@ class Vehicle:
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
+        check_tires(self.tire_stiffnesses, self.tire_offsets)
+        if np.any(self.damper_dampings < 0):
+            raise ValueError(f"damper_dampings must be 0 N s/m or more, got {self.damper_dampings}")
         check_matrices(self.mass_matrix, self.damping_matrix, self.stiffness_matrix)
-        self._check_tires()
+        self._check_support()
         judge_vehicle(self)
 
     def __repr__(self) -> str:
@@ -194,18 +196,7 @@ class Vehicle:
     def __hash__(self) -> int:
         return hash((self.mass_matrix.tobytes(), self.stiffness_matrix.tobytes()))
 
-    def _check_tires(self) -> None:
-        if np.any(self.damper_dampings < 0):
-            raise ValueError(f"damper_dampings must be 0 N s/m or more, got {self.damper_dampings}")
-        if self.tire_stiffnesses.size == 0 or np.any(self.tire_stiffnesses <= 0):
-            raise ValueError(
-                f"tire_stiffnesses must all be above 0 N/m, got {self.tire_stiffnesses}"
-            )
-        if np.min(self.tire_offsets) != 0:
-            raise ValueError(
-                "tire_offsets must be distances behind the reference tire, 0 m for that one and "
-                f"0 or more for the others, got {self.tire_offsets}"
-            )
+    def _check_support(self) -> None:
         if np.linalg.matrix_rank(self._supported_stiffness) < self.n_coordinates:
             raise ValueError(
                 "stiffness_matrix and tire_map leave a coordinate without support: no static "
@@ -255,8 +246,7 @@ class Vehicle:
     def static_loads(self) -> FloatArray:
         """Static load W_k of each tire on a level road [N], shape (n_tires,)."""
         weight = GRAVITY * self.mass_matrix @ self.heave
-        sag = np.linalg.solve(self._supported_stiffness, weight)
-        return np.asarray(self.tire_stiffnesses * (self.tire_map @ sag))
+        return np.asarray(self.tire_stiffnesses * (self.hubs @ self.at_rest(weight)))
 
     @cached_property
     def displacements(self) -> FloatArray:
@@ -291,11 +281,25 @@ class Vehicle:
         """Input vector of the acceleration along the road [m/s^2], shape (2 n,)."""
         return np.asarray(self.velocities.T @ np.linalg.solve(self.mass_matrix, self.pitch_input))
 
+    def at_rest(self, forces: ArrayLike) -> FloatArray:
+        """States of the vehicle at rest on its tires under forces on its coordinates.
+
+        Parameters
+        ----------
+        forces : array_like, shape (n,)
+            Generalised forces beyond the weight [N, N m].
+
+        Returns
+        -------
+        ndarray, shape (2 n,)
+            [m, m/s]
+        """
+        return np.asarray(self.displacements.T @ np.linalg.solve(self._supported_stiffness, forces))
+
     @cached_property
     def pitched(self) -> FloatArray:
-        """States at rest under an acceleration along the road, per m/s^2 [s^2], shape (2 n,)."""
-        at_rest = np.linalg.solve(self._supported_stiffness, self.pitch_input)
-        return np.asarray(self.displacements.T @ at_rest)
+        """States at rest under an acceleration along the road of 1 m/s^2, shape (2 n,)."""
+        return self.at_rest(self.pitch_input)
 
     @property
     def undamped(self) -> Vehicle:
@@ -352,8 +356,8 @@ class Vehicle:
             Inputs: 'road' [m] for one tire, 'road_1', ... for several, positive downward
             (a drop; minus the elevation); with tire damping 'road_rate' [m/s], its rate of change;
             'damper_force' [N] likewise, for each controlled damper. Outputs: 'tire_force' [N], the
-            force R - W beyond the static load, and
-            the coordinates [m]. States: each coordinate and its rate ('y_s', 'y_s_dot').
+            force R - W beyond the static load, and the coordinates [m]. States: each coordinate
+            and its rate ('y_s', 'y_s_dot').
 
         Examples
         --------
@@ -364,22 +368,18 @@ class Vehicle:
         >>> [round(float(f), 3) for f in sorted(set(abs(sys.poles()) / 6.283185))]
         [0.465, 6.892]
         """
-        outputs = np.vstack(
-            [self.tire_stiffnesses[:, np.newaxis] * self.leading_hubs, self.displacements]
-        )
-        roads = np.vstack(
-            [-np.diag(self.tire_stiffnesses), np.zeros((self.n_coordinates, self.n_tires))]
-        )
-        inputs, feedthrough = [self.road_input], [roads]
-        if self.tire_damping.any():
-            inputs.append(self.road_input * self.tire_lags)
-            feedthrough.append(roads * self.tire_lags)
+        springs = np.diag(self.tire_stiffnesses)
+        outputs = np.vstack([springs @ self.leading_hubs, self.displacements])
+        roads = np.vstack([-springs, np.zeros((self.n_coordinates, self.n_tires))])
+        kinds = [1.0, self.tire_lags] if self.tire_damping.any() else [1.0]
         dampers = self.damper_input
         return control.ss(
             self.state_matrix_on_tires(),
-            np.hstack([*inputs, dampers]),
+            np.hstack([*(self.road_input * kind for kind in kinds), dampers]),
             outputs,
-            np.hstack([*feedthrough, np.zeros((len(outputs), dampers.shape[1]))]),
+            np.hstack(
+                [*(roads * kind for kind in kinds), np.zeros((len(outputs), dampers.shape[1]))]
+            ),
             states=vehicle_states(self),
             inputs=[*road_signals(self), *signals("damper_force", dampers.shape[1])],
             outputs=signals("tire_force", self.n_tires) + list(self.coordinates),

@@ -24,6 +24,17 @@ def check_matrices(mass: FloatArray, damping: FloatArray, stiffness: FloatArray)
         raise ValueError("mass_matrix must be positive definite: every mass above 0 kg")
 
 
+def check_tires(stiffnesses: FloatArray, offsets: FloatArray) -> None:
+    """Refuse tires without stiffness [N/m], or ahead [m] of the reference tire."""
+    if stiffnesses.size == 0 or np.any(stiffnesses <= 0):
+        raise ValueError(f"tire_stiffnesses must all be above 0 N/m, got {stiffnesses}")
+    if np.min(offsets) != 0:
+        raise ValueError(
+            "tire_offsets must be distances behind the reference tire, 0 m for that one and "
+            f"0 or more for the others, got {offsets}"
+        )
+
+
 def unique_names(what: str, prefix: str, names: Sequence[str] | None, n: int) -> tuple[str, ...]:
     """Return n different names, numbered ones if none are given."""
     result = tuple(f"{prefix}{i}" for i in range(1, n + 1)) if names is None else tuple(names)

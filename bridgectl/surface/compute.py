@@ -16,8 +16,9 @@ from bridgectl._warn import warn
 from bridgectl.linear.cells import bridge_entry, sample_positions
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.reference import reference_effect
 from bridgectl.linear.response import linear_dafs
-from bridgectl.linear.runs import Run, prepare, reference_effect
+from bridgectl.linear.runs import Run, prepare
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
 from bridgectl.road import RoadProfile
