@@ -1,4 +1,4 @@
-"""The reference route: one crossing at a time by the control library, its tires kept from pulling."""
+"""The reference route: one crossing at a time by the control library, tires kept from pulling."""
 
 from __future__ import annotations
 

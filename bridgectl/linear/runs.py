@@ -79,9 +79,8 @@ class Run(NamedTuple):
         if self.profile is None or vehicle.n_tires == 1:
             return state
         road = self.road(np.array(self.start))
-        state[: self.crossing.n_vehicle] = vehicle.at_rest(
-            vehicle.tire_map.T @ (vehicle.tire_stiffnesses * road)
-        )
+        forces = vehicle.tire_map.T @ (vehicle.tire_stiffnesses * road)
+        state[: self.crossing.n_vehicle] = vehicle.flexibility @ forces
         return state
 
     def road_inputs(self, motion: Motion, x: FloatArray) -> FloatArray:
@@ -115,6 +114,17 @@ class Run(NamedTuple):
         """Slope of the road under each tire just after places, (m, n_tires)."""
         tires = self.crossing.tire_positions(x)
         return np.zeros_like(tires) if self.profile is None else falls_of(self.profile, tires)
+
+    def end_of_tail(self, motion: Motion, tail: float) -> float:
+        """Where the reference tire is a time [s] after the end [m]."""
+        if tail == 0:
+            return self.end
+        last = motion.time(self.end) + tail
+        end = motion.position(last)
+        # A vehicle that turns round is there at two times.
+        if end < self.end or motion.time(end) < last - SAME_PLACE:
+            raise ValueError(f"tail must end before the vehicle stands still, got {tail:g} s")
+        return end
 
     def slowest(self, speed: float) -> float:
         """The lowest speed of the motion [m/s], or the constant one."""
@@ -184,6 +194,12 @@ def prepare(
         profile.require(start, crossing.beam.length, "the crossing")
         warn_if_coarse(profile, "dynamic amplification", pieces=pieces)
     return Run(crossing, start, crossing.exit, profile)
+
+
+def moving(run: Run, motion: Motion) -> Run:
+    """The crossing with a motion, which must take the vehicle to its end."""
+    motion.time(np.array([run.start, run.end]))
+    return run._replace(motion=None if motion.uniform else motion)
 
 
 def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> Iterator[slice]:

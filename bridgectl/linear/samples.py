@@ -37,6 +37,7 @@ from bridgectl.linear.runs import (
     connected,
     first_flight,
     lifts_off,
+    moving,
     node_forces,
     propagate,
     speed_batches,
@@ -119,6 +120,16 @@ def dafs_of_effects(
             flights[float(speeds[i])] = found.flight
     warn_of_flights(flights, speeds.size)
     return result
+
+
+def dafs_of_motions(
+    run: Run, crossings: Sequence[Crossing], motions: Sequence[Motion], method: str, progress: bool
+) -> FloatArray:
+    """Return `dafs_of_effects` of several motions, one after the other."""
+    speeds = np.array([[motion.speed] for motion in motions])
+    each = zip([moving(run, motion) for motion in motions], speeds, strict=True)
+    found = [dafs_of_effects(one, crossings, c, method, progress) for one, c in each]
+    return np.hstack(found)
 
 
 def with_nodes_of(crossing: Crossing, effects: Sequence[Effect]) -> Crossing:

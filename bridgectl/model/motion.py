@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, overload
+from typing import NamedTuple, TypeAlias, cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -244,6 +245,20 @@ class _Pieces(NamedTuple):
     time: FloatArray
 
 
+Speeds: TypeAlias = ArrayLike | Motion | Sequence[float | Motion]
+"""One or several speeds [m/s], or motions."""
+
+
 def as_motion(speed: float | Motion) -> Motion:
     """Return the motion, or that of a constant speed [m/s]."""
     return speed if isinstance(speed, Motion) else Motion(speed)
+
+
+def given_speeds(given: Speeds) -> tuple[FloatArray, list[Motion] | None]:
+    """Return speeds [m/s], and the motions if one that is given is not uniform."""
+    each = list(given) if isinstance(given, list | tuple) else [given]
+    if not any(isinstance(one, Motion) for one in each):
+        return _checks.speeds(cast(ArrayLike, given)), None
+    motions = [as_motion(cast(float | Motion, one)) for one in each]
+    c = _checks.speeds([motion.speed for motion in motions])
+    return c, None if all(motion.uniform for motion in motions) else motions

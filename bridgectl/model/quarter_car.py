@@ -114,7 +114,17 @@ def require_quarter_car(
             f"{name} must be a QuarterCar, got {type(vehicle).__name__}: {why}, type for example "
             "bridgectl.li2006.car()"
         )
+    require_springs(vehicle, "a damper that is controlled")
     return vehicle
+
+
+def require_springs(vehicle: Vehicle | QuarterCar, what: str) -> None:
+    """Refuse tires with damping where they are springs alone."""
+    if vehicle.linear.tire_damping.any():
+        raise ValueError(
+            f"tire_damping must be 0 with {what}, which takes tires as springs alone, got "
+            f"{vehicle.linear.tire_damping} N s/m: leave it out"
+        )
 
 
 def require_pair(beam: object, vehicle: object) -> None:

@@ -246,7 +246,8 @@ class Vehicle:
     def static_loads(self) -> FloatArray:
         """Static load W_k of each tire on a level road [N], shape (n_tires,)."""
         weight = GRAVITY * self.mass_matrix @ self.heave
-        return np.asarray(self.tire_stiffnesses * (self.hubs @ self.at_rest(weight)))
+        sag = np.linalg.solve(self._supported_stiffness, weight)
+        return np.asarray(self.tire_stiffnesses * (self.tire_map @ sag))
 
     @cached_property
     def displacements(self) -> FloatArray:
@@ -281,25 +282,15 @@ class Vehicle:
         """Input vector of the acceleration along the road [m/s^2], shape (2 n,)."""
         return np.asarray(self.velocities.T @ np.linalg.solve(self.mass_matrix, self.pitch_input))
 
-    def at_rest(self, forces: ArrayLike) -> FloatArray:
-        """States of the vehicle at rest on its tires under forces on its coordinates.
-
-        Parameters
-        ----------
-        forces : array_like, shape (n,)
-            Generalised forces beyond the weight [N, N m].
-
-        Returns
-        -------
-        ndarray, shape (2 n,)
-            [m, m/s]
-        """
-        return np.asarray(self.displacements.T @ np.linalg.solve(self._supported_stiffness, forces))
+    @cached_property
+    def flexibility(self) -> FloatArray:
+        """States at rest on the tires per force on each coordinate [m/N], shape (2 n, n)."""
+        return np.asarray(self.displacements.T @ np.linalg.inv(self._supported_stiffness))
 
     @cached_property
     def pitched(self) -> FloatArray:
         """States at rest under an acceleration along the road of 1 m/s^2, shape (2 n,)."""
-        return self.at_rest(self.pitch_input)
+        return np.asarray(self.flexibility @ self.pitch_input)
 
     @property
     def undamped(self) -> Vehicle:
@@ -353,11 +344,10 @@ class Vehicle:
         Returns
         -------
         control.StateSpace
-            Inputs: 'road' [m] for one tire, 'road_1', ... for several, positive downward
-            (a drop; minus the elevation); with tire damping 'road_rate' [m/s], its rate of change;
-            'damper_force' [N] likewise, for each controlled damper. Outputs: 'tire_force' [N], the
-            force R - W beyond the static load, and the coordinates [m]. States: each coordinate
-            and its rate ('y_s', 'y_s_dot').
+            Inputs: 'road' [m] for one tire, 'road_1', ... for several, positive downward (minus
+            the elevation); with tire damping 'road_rate' [m/s], its rate; 'damper_force' [N] for
+            each controlled damper. Outputs: 'tire_force' [N], the force R - W beyond the static
+            load, and the coordinates [m]. States: each coordinate and its rate ('y_s_dot').
 
         Examples
         --------
@@ -371,15 +361,16 @@ class Vehicle:
         springs = np.diag(self.tire_stiffnesses)
         outputs = np.vstack([springs @ self.leading_hubs, self.displacements])
         roads = np.vstack([-springs, np.zeros((self.n_coordinates, self.n_tires))])
-        kinds = [1.0, self.tire_lags] if self.tire_damping.any() else [1.0]
+        inputs, through = self.road_input, roads
+        if self.tire_damping.any():
+            inputs = np.hstack([inputs, inputs * self.tire_lags])
+            through = np.hstack([roads, roads * self.tire_lags])
         dampers = self.damper_input
         return control.ss(
             self.state_matrix_on_tires(),
-            np.hstack([*(self.road_input * kind for kind in kinds), dampers]),
+            np.hstack([inputs, dampers]),
             outputs,
-            np.hstack(
-                [*(roads * kind for kind in kinds), np.zeros((len(outputs), dampers.shape[1]))]
-            ),
+            np.hstack([through, np.zeros((len(outputs), dampers.shape[1]))]),
             states=vehicle_states(self),
             inputs=[*road_signals(self), *signals("damper_force", dampers.shape[1])],
             outputs=signals("tire_force", self.n_tires) + list(self.coordinates),

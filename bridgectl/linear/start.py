@@ -1,0 +1,78 @@
+"""Where a crossing starts: checked, and judged by how much of the start is left at the bridge."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import expm
+
+from bridgectl._checks import FloatArray
+from bridgectl._plausible import PlausibilityWarning, judge_crossing
+from bridgectl._warn import warn
+from bridgectl.linear.runs import Run, moving, prepare
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.motion import Motion
+from bridgectl.road import RoadProfile
+
+LEFT = 0.01
+"""Share of a static tire force that what is left of the start may change it by at the bridge."""
+
+
+def begin(
+    crossing: Crossing,
+    profile: RoadProfile | None,
+    start: float,
+    speeds: float | FloatArray,
+    motion: Motion | None = None,
+) -> Run:
+    """Check a crossing, see `prepare`, and judge it and its start."""
+    run = prepare(crossing, profile, start)
+    if motion is not None:
+        run = moving(run, motion)
+    judge_crossing(crossing, speeds, profile)
+    _require_contact(run)
+    _judge_start(run, float(np.max(speeds)))
+    return run
+
+
+def _require_contact(run: Run) -> None:
+    """Refuse a start at which a tire would hang above the road."""
+    x = np.array([run.start])
+    forces = run.forces(x, run.initial()[np.newaxis, : run.crossing.n_vehicle], np.zeros(1))[0]
+    if forces.min() < 0:
+        raise ValueError(
+            f"start must be where all tires stand on the road, and at {run.start:g} m tire "
+            f"{1 + int(np.argmin(forces))} would hang above it: type another start, or "
+            f"profile.crop({run.start:g}, ...) for a level road under all axles there"
+        )
+
+
+def _judge_start(run: Run, fastest: float) -> None:
+    """Warn where another road behind the start would still be felt at the bridge.
+
+    A road that is its mirror image there stands for what is not known of the vehicle's motion: it
+    stands still on the road under each axle, and has come along in truth.
+    """
+    vehicle, way = run.crossing.linear, -run.start
+    if run.profile is None or way == 0 or vehicle.n_tires == 1:
+        return
+    offsets = vehicle.tire_offsets
+    mirrored = run.profile.drop(run.start + offsets, run.start)
+    forces = vehicle.tire_map.T @ (
+        vehicle.tire_stiffnesses * (mirrored - run.road(np.array(run.start)))
+    )
+    matrix = vehicle.state_matrix_on_tires()
+    state = expm(matrix * (way / fastest)) @ vehicle.flexibility @ forces
+    swings = vehicle.tire_stiffnesses * (vehicle.hubs @ state) / vehicle.static_loads
+    left = float(np.abs(swings).max())
+    if left <= LEFT:
+        return
+    slowest = -float(np.linalg.eigvals(matrix).real.max())
+    remedy = "the vehicle has no damping that would end it"
+    if slowest > 0:
+        enough = way + fastest / slowest * np.log(left / LEFT)
+        remedy = f"type start={-np.ceil(enough):g} for less than {LEFT:.0%}"
+    warn(
+        f"start = {run.start:g} m is not forgotten at the bridge: with another road under the rear "
+        f"axles there a tire force would differ by {left:.0%} of the static one; {remedy}",
+        PlausibilityWarning,
+    )
