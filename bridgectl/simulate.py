@@ -18,6 +18,7 @@ from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.estimates import require_surface
 from bridgectl.linear.response import METHODS, as_response, checked_times, linear_response
+from bridgectl.linear.runs import Run
 from bridgectl.linear.samples import crossings_of, dafs_of_effects, dafs_of_motions
 from bridgectl.linear.start import begin
 from bridgectl.model.bridge import BridgeModel
@@ -117,8 +118,9 @@ def crossing_response(
     motion = as_motion(speed)
     crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
     _checks.choice("method", method, METHODS)
-    devices = fitted(damper, vehicle, method, motion.uniform)
+    devices = fitted(damper, vehicle, method, [] if motion.uniform else [motion])
     run = begin(crossing, profile, start, motion.speed, motion)
+    judge_crossing(crossing, motion.speed, profile)
     after = _checks.not_negative("tail", tail, unit="s")
     run = run._replace(end=run.end_of_tail(motion, after))
     asked = None if timepts is None else motion.position(checked_times(timepts, run, motion))
@@ -194,7 +196,10 @@ def daf(
     crossings = crossings_of(effect, beam, vehicle, section, recovery)
     for crossing in crossings:
         require_factor(crossing)
-    found = _peaks(crossings, c, motions, profile, start, damper, method, progress)
+    run, devices = begin(crossings[0], profile, start, c), fitted(damper, vehicle, method, motions)
+    judge_crossing(crossings[0], c, profile)
+    judge_range(vehicle, *devices)
+    found = _peaks(run, crossings, c, motions, devices, method, progress)
     return found if isinstance(effect, list | tuple) else found[0]
 
 
@@ -220,7 +225,7 @@ def peak_effect(
     beam, vehicle, speeds, profile, start, section, recovery, method, damper, progress
         See `daf`.
     effect : Moment, Deflection, TireForce, BodyAcceleration or str, or a list, optional
-        What the peak is of; 'acceleration' is that of the first coordinate of the vehicle.
+        'acceleration' is that of the first coordinate of the vehicle.
 
     Returns
     -------
@@ -248,7 +253,10 @@ def peak_effect(
     """
     c, motions = given_speeds(speeds)
     crossings = crossings_of(effect, beam, vehicle, section, recovery)
-    found = _peaks(crossings, c, motions, profile, start, damper, method, progress)
+    run, devices = begin(crossings[0], profile, start, c), fitted(damper, vehicle, method, motions)
+    judge_crossing(crossings[0], c, profile)
+    judge_range(vehicle, *devices)
+    found = _peaks(run, crossings, c, motions, devices, method, progress)
     found *= np.array([[crossing.static_peak or 1.0] for crossing in crossings])
     return found if isinstance(effect, list | tuple) else found[0]
 
@@ -280,26 +288,21 @@ def ramp_surface(
     speeds : float or array_like
         Speeds c [m/s].
     approach : float, optional
-        Length of the approach [m]: the vehicle starts that far before the bridge, in
-        equilibrium, and ramps lie there too.
+        Length of the approach [m], where the vehicle starts in equilibrium, and ramps lie too.
     ramp_length, ramp_height : float, optional
         The unit ramp [m]: by default 1 mm over 100 mm, a *drop*, as in the paper. A road class,
         "A" to "H", stands for the height sigma sqrt(N) of one ramp with the variance of the drops
         over all N ramps of its roads: 13.4 mm for class A and 850 ramps.
     both_ways : bool, optional
-        Whether there are rises of that height beside the drops: what they do together is the
-        even part of a ramp's effect, which `RampSurface.dae` of order 2 and
-        `RampSurface.class_dae` need to tell dampers apart.
+        Whether there are rises of that height beside the drops: `RampSurface.dae` of order 2 and
+        `RampSurface.class_dae` need what both do together to tell dampers apart.
     every : int, optional
-        Take a ramp at every so many-th place alone, and straight lines between: a tenth of the
-        ramps cost a tenth of the time.
+        Take a ramp at every so many-th place alone, and straight lines between.
     method : {'propagator', 'control'}, optional
-        'propagator': all ramps from one propagation, factored. 'control': one
-        `control.input_output_response` for each ramp and speed, slow, for comparison.
+        All ramps from one propagation, or one `control.input_output_response` for each.
     damper : bridgectl.dampers.Damper or Strategy, optional
-        A damper in place of the vehicle's own. If it is semi-active, its responses do not
-        superpose: the surface has a DAE, which then is an estimate twice over, and no superposed
-        DAF.
+        A damper in place of the vehicle's own. Responses of a semi-active one do not superpose: the
+        surface has a DAE, an estimate twice over, and no superposed DAF.
     progress : bool, optional
         Whether 'control' shows a progress bar on a terminal.
 
@@ -310,8 +313,8 @@ def ramp_surface(
     Raises
     ------
     TypeError, ValueError
-        If a parameter has the wrong kind, shape or range, or the work would be too much; the
-        message names it.
+        If a parameter has the wrong kind, shape or range, tires have damping, or the work would be
+        too much; the message names it.
 
     Warns
     -----
@@ -360,7 +363,7 @@ def fitted(
     damper: Damper | Strategy | None,
     vehicle: Vehicle | QuarterCar,
     method: str = "propagator",
-    uniform: bool = True,
+    motions: Sequence[Motion] = (),
 ) -> list[Damper]:
     """The damper, if there is one, checked to go with the route and the vehicle."""
     if damper is None:
@@ -368,8 +371,8 @@ def fitted(
     from bridgectl.dampers.actuator import as_damper, bare_vehicle
 
     require_springs(vehicle, "a damper")
-    if not uniform:
-        raise ValueError("damper goes with a constant speed: type speed=25.0 for it, or no damper")
+    if motions:
+        raise ValueError(f"damper goes with a constant speed: got {motions[0]!r}, leave it out")
     if method != "propagator":
         raise ValueError(f"method must be 'propagator' with a damper, got {method!r}: leave it out")
     device, _ = as_damper(damper), bare_vehicle(vehicle)
@@ -377,19 +380,15 @@ def fitted(
 
 
 def _peaks(
+    run: Run,
     crossings: list[Crossing],
     speeds: FloatArray,
-    motions: list[Motion] | None,
-    profile: RoadProfile | None,
-    start: float,
-    damper: Damper | Strategy | None,
+    motions: list[Motion],
+    devices: list[Damper],
     method: str,
     progress: bool,
 ) -> FloatArray:
     """Peaks over their static ones, if they have any, by the engine that they need."""
-    run, vehicle = begin(crossings[0], profile, start, speeds), crossings[0].vehicle
-    devices = fitted(damper, vehicle, method, motions is None)
-    judge_range(vehicle, *devices)
     _checks.flag("progress", progress)
     _checks.choice("method", method, METHODS)
     if motions:

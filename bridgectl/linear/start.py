@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
-from bridgectl._plausible import PlausibilityWarning, judge_crossing
+from bridgectl._plausible import PlausibilityWarning
 from bridgectl._warn import warn
 from bridgectl.linear.runs import Run, moving, prepare
 from bridgectl.model.crossing import Crossing
@@ -24,11 +24,10 @@ def begin(
     speeds: float | FloatArray,
     motion: Motion | None = None,
 ) -> Run:
-    """Check a crossing, see `prepare`, and judge it and its start."""
+    """Check a crossing, see `prepare`, and judge its start."""
     run = prepare(crossing, profile, start)
     if motion is not None:
         run = moving(run, motion)
-    judge_crossing(crossing, speeds, profile)
     _require_contact(run)
     _judge_start(run, float(np.max(speeds)))
     return run

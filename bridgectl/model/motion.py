@@ -254,11 +254,11 @@ def as_motion(speed: float | Motion) -> Motion:
     return speed if isinstance(speed, Motion) else Motion(speed)
 
 
-def given_speeds(given: Speeds) -> tuple[FloatArray, list[Motion] | None]:
-    """Return speeds [m/s], and the motions if one that is given is not uniform."""
+def given_speeds(given: Speeds) -> tuple[FloatArray, list[Motion]]:
+    """Return speeds [m/s], and the motions, none if all are uniform."""
     each = list(given) if isinstance(given, list | tuple) else [given]
     if not any(isinstance(one, Motion) for one in each):
-        return _checks.speeds(cast(ArrayLike, given)), None
+        return _checks.speeds(cast(ArrayLike, given)), []
     motions = [as_motion(cast(float | Motion, one)) for one in each]
     c = _checks.speeds([motion.speed for motion in motions])
-    return c, None if all(motion.uniform for motion in motions) else motions
+    return c, [] if all(motion.uniform for motion in motions) else motions
