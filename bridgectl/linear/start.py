@@ -6,6 +6,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE
 from bridgectl._plausible import PlausibilityWarning
 from bridgectl._warn import warn
 from bridgectl.linear.runs import Run, moving, prepare
@@ -46,21 +47,20 @@ def _require_contact(run: Run) -> None:
 
 
 def _judge_start(run: Run, fastest: float) -> None:
-    """Warn where another road behind the start would still be felt at the bridge.
+    """Warn where another road under the rear axles at the start would be felt at the bridge.
 
-    A road that is its mirror image there stands for what is not known of the vehicle's motion: it
-    stands still on the road under each axle, and has come along in truth.
+    That tells whether what is not known counts, for the vehicle stands still there and has come
+    along in truth: a level road instead of a known one, the mirror image ahead of an unknown one.
     """
     vehicle, way = run.crossing.linear, -run.start
     if run.profile is None or way == 0 or vehicle.n_tires == 1:
         return
     offsets = vehicle.tire_offsets
-    mirrored = run.profile.drop(run.start + offsets, run.start)
-    forces = vehicle.tire_map.T @ (
-        vehicle.tire_stiffnesses * (mirrored - run.road(np.array(run.start)))
-    )
+    known = run.start - offsets >= run.profile.x[0] - SAME_PLACE
+    other = np.where(known, 0.0, run.profile.drop(run.start + offsets, run.start))
+    changes = vehicle.tire_stiffnesses * (other - run.road(np.array(run.start)))
     matrix = vehicle.state_matrix_on_tires()
-    state = expm(matrix * (way / fastest)) @ vehicle.flexibility @ forces
+    state = expm(matrix * (way / fastest)) @ vehicle.flexibility @ (vehicle.tire_map.T @ changes)
     swings = vehicle.tire_stiffnesses * (vehicle.hubs @ state) / vehicle.static_loads
     left = float(np.abs(swings).max())
     if left <= LEFT:
