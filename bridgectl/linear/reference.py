@@ -39,14 +39,14 @@ def simulate_reference(
     stepped over. Positions must include the kinks, at which forces are those just after. Returns
     states (n, m) and tire forces (n_tires, m).
     """
-    crossing, system = run.crossing, run.crossing.system(motion)
+    crossing, system = run.crossing, run.crossing.system(motion, outputs=run.plain)
     first_force = crossing.output_labels.index("deflection") + 1
     states = np.zeros((crossing.n_states, len(positions)))
     states[:, 0] = run.initial()
     forces = np.empty((crossing.linear.n_tires, len(positions)))
     ends = np.searchsorted(positions, run.kinks() - SAME_PLACE)
     for first, last in pairwise(ends):
-        piece, finer = slice(first, last + 1), 1 if motion.uniform else FINER
+        piece, finer = slice(first, last + 1), FINER if run.motion and run.profile else 1
         count = finer * (last - first)
         time = np.interp(np.arange(count + 1) / finer, np.arange(last - first + 1),
                          motion.time(positions[piece]))  # fmt: skip
@@ -61,10 +61,9 @@ def simulate_reference(
             squeeze=False,
         )
         states[:, piece] = response.states[:, ::finer]
-        forces[:, piece] = np.asarray(response.outputs)[first_force:, ::finer][: len(forces)]
-    if run.jumps:
-        return states, contact_forces(run, motion, positions, states)
-    return states, forces
+        if run.plain:
+            forces[:, piece] = np.asarray(response.outputs)[first_force:][: len(forces)]
+    return states, forces if run.plain else contact_forces(run, motion, positions, states)
 
 
 def contact_forces(

@@ -12,6 +12,7 @@ from bridgectl._warn import warn
 from bridgectl.linear.runs import Run, moving, prepare
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
 
 LEFT = 0.01
@@ -60,18 +61,27 @@ def _judge_start(run: Run, fastest: float) -> None:
     other = np.where(known, 0.0, run.profile.drop(run.start + offsets, run.start))
     changes = vehicle.tire_stiffnesses * (other - run.road(np.array(run.start)))
     matrix = vehicle.state_matrix_on_tires()
-    state = expm(matrix * (way / fastest)) @ vehicle.flexibility @ (vehicle.tire_map.T @ changes)
-    swings = vehicle.tire_stiffnesses * (vehicle.hubs @ state) / vehicle.static_loads
-    left = float(np.abs(swings).max())
+    state = vehicle.flexibility @ (vehicle.tire_map.T @ changes)
+    left = _swing(vehicle, expm(matrix * (way / fastest)) @ state)
     if left <= LEFT:
         return
-    slowest = -float(np.linalg.eigvals(matrix).real.max())
-    remedy = "the vehicle has no damping that would end it"
+    slowest, remedy = (
+        -float(np.linalg.eigvals(matrix).real.max()),
+        "nothing ends it without damping",
+    )
     if slowest > 0:
-        enough = way + fastest / slowest * np.log(left / LEFT)
-        remedy = f"type start={-np.ceil(enough):g} for less than {LEFT:.0%}"
+        # As if all of it were in the slowest motion, and no less than from here on.
+        logs = np.log([_swing(vehicle, state) / LEFT, left / LEFT])
+        enough = np.ceil((logs * fastest / slowest + [0.0, way]).max())
+        remedy = f"type start=-{enough:g} for less than {LEFT:.0%}"
     warn(
         f"start = {run.start:g} m is not forgotten at the bridge: with another road under the rear "
         f"axles there a tire force would differ by {left:.0%} of the static one; {remedy}",
         PlausibilityWarning,
     )
+
+
+def _swing(vehicle: Vehicle, state: FloatArray) -> float:
+    """Largest change of a tire force in a state of the vehicle, over its static load."""
+    swings = vehicle.tire_stiffnesses * (vehicle.hubs @ state) / vehicle.static_loads
+    return float(np.abs(swings).max())

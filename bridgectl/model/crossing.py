@@ -268,7 +268,9 @@ class Crossing(Equations):
             ]
         )
 
-    def system(self, motion: Motion, name: str = "crossing") -> control.NonlinearIOSystem:
+    def system(
+        self, motion: Motion, name: str = "crossing", *, outputs: bool = True
+    ) -> control.NonlinearIOSystem:
         """Return the crossing as a control system: see `crossing_system`.
 
         Parameters
@@ -277,6 +279,8 @@ class Crossing(Equations):
             How the vehicle moves.
         name : str, optional
             Name of the system.
+        outputs : bool, optional
+            Whether it has outputs: else they are its states, which is quicker.
 
         Returns
         -------
@@ -303,9 +307,9 @@ class Crossing(Equations):
 
         return control.nlsys(
             update,
-            output,
+            output if outputs else None,
             inputs=self.input_labels,
-            outputs=self.output_labels,
+            outputs=self.output_labels if outputs else self.state_labels,
             states=self.state_labels,
             name=name,
         )
