@@ -1,6 +1,8 @@
 """Motions of constant acceleration by pieces: where they are, and crossings by them."""
 
+import re
 import warnings
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -68,9 +70,8 @@ def test_accelerations_change_where_they_are_told_to():
     ],
 )
 def test_a_bad_motion_is_named(arguments, says):
-    with pytest.raises(ValueError) as caught:
+    with pytest.raises(ValueError, match=re.escape(says)):
         bc.Motion(*arguments)
-    assert says in str(caught.value)
 
 
 @pytest.mark.parametrize("function", [bc.daf, bc.peak_effect, bc.crossing_response])
@@ -85,9 +86,8 @@ def test_a_bad_motion_is_named(arguments, says):
 def test_a_vehicle_that_stands_still_on_its_way_is_refused_with_the_place(
     function, motion, start, says
 ):
-    with pytest.raises(ValueError) as caught:
+    with pytest.raises(ValueError, match=re.escape(says)):
         function(BEAM, CAR, motion, start=start)
-    assert says in str(caught.value)
 
 
 def test_a_tail_in_which_it_would_turn_round_is_refused():
@@ -141,12 +141,12 @@ def test_accelerations_of_a_braking_truck_are_those_of_the_other_route():
 
 
 def test_long_braking_moves_load_to_the_front_axle():
-    stiff = bc.Beam(25, 1.8e6, 4.865e12, n_modes=1)
     braking = bc.Motion(30.0, acceleration=[0, -2], changes=[-100])
-    found = bc.crossing_response(stiff, TRUCK, braking, start=-110)
+    found = bc.crossing_response(BEAM, TRUCK, braking, start=-110)
     loads = TRUCK.static_loads
     transfer = LEVER * 2 / 5  # m h a over the wheelbase [N]
-    last = [found.outputs[f"tire_force_{k}"][-1] for k in (1, 2)]
+    entry = np.argmax(found.time >= 0)
+    last = [found.outputs[f"tire_force_{k}"][entry] for k in (1, 2)]
     assert last == pytest.approx([loads[0] + transfer, loads[1] - transfer], rel=1e-3)
 
 
@@ -166,9 +166,7 @@ def test_work_and_energy_balance_while_a_truck_brakes(damped):
     motion, modes = bc.Motion(25.0, [0.0, -3.0], [0.0]), np.arange(1, BEAM.n_modes + 1)
     # Gauss points between what is not smooth: entries, exits and mid-span.
     ends = motion.time(np.unique([-1.0, 0, 5, 12.5, 17.5, 25, 30]))
-    fine = np.concatenate(
-        [np.linspace(a, b, 61)[:-1] for a, b in zip(ends, ends[1:])] + [ends[-1:]]
-    )
+    fine = np.concatenate([np.linspace(a, b, 61)[:-1] for a, b in pairwise(ends)] + [ends[-1:]])
     points, weights = np.polynomial.legendre.leggauss(4)
     half = np.diff(fine)[:, np.newaxis] / 2
     times = (fine[:-1, np.newaxis] + half * (1 + points)).ravel()
