@@ -141,8 +141,8 @@ def test_accelerations_of_a_braking_truck_are_those_of_the_other_route():
 
 
 def test_long_braking_moves_load_to_the_front_axle():
-    braking = bc.Motion(30.0, acceleration=[0, -2], changes=[-100])
-    found = bc.crossing_response(BEAM, TRUCK, braking, start=-110)
+    braking = bc.Motion(30.0, acceleration=[0, -2], changes=[-300])
+    found = bc.crossing_response(BEAM, TRUCK, braking, start=-310)
     loads = TRUCK.static_loads
     transfer = LEVER * 2 / 5  # m h a over the wheelbase [N]
     entry = np.argmax(found.time >= 0)

@@ -100,7 +100,7 @@ def test_a_start_that_is_not_forgotten_is_told_with_the_length_that_would_do():
     start = float(text.partition("type start=")[2].partition(" ")[0])
     bc.daf(BEAM, half_car(), [20.0, 30.0], road, start=start)  # no warning
     with pytest.warns(bc.PlausibilityWarning, match="nothing ends it without damping"):
-        bc.daf(BEAM, half_car(0.0), [25.0], rough_road(2, -40.0, 25.0, step=0.25), start=-10)
+        bc.daf(BEAM, half_car(0.0), [25.0], STEP, start=-40)
 
 
 def test_a_level_start_or_none_is_not_told():

@@ -18,6 +18,9 @@ from bridgectl.road import RoadProfile
 LEFT = 0.01
 """Share of a static tire force that what is left of the start may change it by at the bridge."""
 
+UNDAMPED = 1e-6
+"""Slowest decay [1/s] below which there is none but for round-off."""
+
 
 def begin(
     crossing: Crossing,
@@ -65,11 +68,9 @@ def _judge_start(run: Run, fastest: float) -> None:
     left = _swing(vehicle, expm(matrix * (way / fastest)) @ state)
     if left <= LEFT:
         return
-    slowest, remedy = (
-        -float(np.linalg.eigvals(matrix).real.max()),
-        "nothing ends it without damping",
-    )
-    if slowest > 0:
+    slowest = -float(np.linalg.eigvals(matrix).real.max())
+    remedy = "nothing ends it without damping"
+    if slowest > UNDAMPED:
         # As if all of it were in the slowest motion, and no less than from here on.
         logs = np.log([_swing(vehicle, state) / LEFT, left / LEFT])
         enough = np.ceil((logs * fastest / slowest + [0.0, way]).max())
