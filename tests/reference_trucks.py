@@ -66,7 +66,7 @@ def random_truck(rng: np.random.Generator) -> bc.Vehicle | bc.QuarterCar:
             rng.uniform(6e3, 12e3), rng.uniform(700, 1200), rng.uniform(80e3, 1e6),
             rng.uniform(1e6, 3e6), rng.uniform(5e3, 2e4), tire_damping=rng.uniform(0, 1e4),
         )  # fmt: skip
-    axles = np.sort(rng.uniform(-4, 4, n))
+    axles = np.cumsum(rng.uniform(1.2, 3.5, n))
     legs = np.column_stack([np.ones(n), axles - axles.mean(), -np.eye(n)])
     stiffness, damping = rng.uniform(3e5, 2e6, n), rng.uniform(5e3, 3e4, n)
     body = rng.uniform(5e3, 1e4) * n

@@ -52,8 +52,8 @@ class Motion:
     """
 
     speed: float
-    acceleration: float | tuple[float, ...] = 0.0
-    changes: tuple[float, ...] = ()
+    acceleration: float | Sequence[float] = 0.0
+    changes: Sequence[float] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "speed", _checks.positive("speed", self.speed, unit="m/s"))
