@@ -190,7 +190,7 @@ class Crossing(Equations):
     @property
     def per_acceleration(self) -> float:
         """What acceleration along the road adds to the effect over `scale` [s^2/m]."""
-        return self.effect.per_acceleration(self.linear) / self.scale
+        return self.effect._per_acceleration(self.linear) / self.scale
 
     @cached_property
     def output_labels(self) -> list[str]:

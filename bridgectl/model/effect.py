@@ -122,7 +122,7 @@ class Effect(ABC):
             In the effect's unit [N m, m, N, ...].
         """
         values = self._rows(bridge, vehicle, tires).values(states.T, forces.T)
-        values = values + self.per_acceleration(vehicle) * accelerations
+        values = values + self._per_acceleration(vehicle) * accelerations
         return values + np.dot(self._per_damper(vehicle), damper) if np.any(damper) else values
 
     def kinks(self, bridge: BridgeModel) -> FloatArray:
@@ -206,7 +206,7 @@ class Effect(ABC):
         """Places of the tires, (n, n_tires), among which the static peak is."""
         return -vehicle.tire_offsets[np.newaxis]
 
-    def per_acceleration(self, vehicle: Vehicle) -> float:
+    def _per_acceleration(self, vehicle: Vehicle) -> float:
         """What the vehicle's acceleration along the road adds [effect's unit per m/s^2]."""
         return 0.0
 

@@ -289,7 +289,7 @@ class Vehicle:
 
     @cached_property
     def pitched(self) -> FloatArray:
-        """States at rest under an acceleration along the road of 1 m/s^2, shape (2 n,)."""
+        """States at rest per acceleration along the road [m per m/s^2], shape (2 n,)."""
         return np.asarray(self.flexibility @ self.pitch_input)
 
     @property

@@ -109,7 +109,7 @@ class BodyAcceleration(Effect):
         per_state = np.append(own, np.zeros(2 * bridge.n_modes))
         return EffectRows(np.zeros_like(tires) + per_force, per_state, constant)
 
-    def per_acceleration(self, vehicle: Vehicle) -> float:
+    def _per_acceleration(self, vehicle: Vehicle) -> float:
         """What the vehicle's acceleration along the road adds to it [dimensionless]."""
         return float(vehicle.velocities[self.coordinate - 1] @ vehicle.pitching)
 
