@@ -360,11 +360,9 @@ def ramp_surface(
 
 
 def fitted(
-    damper: Damper | Strategy | None,
-    vehicle: Vehicle | QuarterCar,
-    method: str = "propagator",
+    damper: Damper | Strategy | None, vehicle: Vehicle | QuarterCar, method: str = "propagator",
     motions: Sequence[Motion] = (),
-) -> list[Damper]:
+) -> list[Damper]:  # fmt: skip
     """The damper, if there is one, checked to go with the route and the vehicle."""
     if damper is None:
         return []
@@ -380,14 +378,9 @@ def fitted(
 
 
 def _peaks(
-    run: Run,
-    crossings: list[Crossing],
-    speeds: FloatArray,
-    motions: list[Motion],
-    devices: list[Damper],
-    method: str,
-    progress: bool,
-) -> FloatArray:
+    run: Run, crossings: list[Crossing], speeds: FloatArray, motions: list[Motion],
+    devices: list[Damper], method: str, progress: bool,
+) -> FloatArray:  # fmt: skip
     """Peaks over their static ones, if they have any, by the engine that they need."""
     _checks.flag("progress", progress)
     _checks.choice("method", method, METHODS)

@@ -32,9 +32,9 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
 from bridgectl.linear.modes import mode_responses
 from bridgectl.linear.pace import Pace, responses
+from bridgectl.linear.stages import solve_stages, vehicle_matrices, vehicle_stages
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
-from bridgectl.model.vehicle import Vehicle
 
 N_STAGES = 3
 GAUSS = (np.polynomial.legendre.leggauss(N_STAGES)[0] + 1) / 2
@@ -247,8 +247,8 @@ def build_cells(
     places = starts + steps * pace.shares(FORCE_POINTS)
     rates = crossing.shape_rates(places[:, :N_STAGES], pace.speeds(GAUSS))
     beam = _beam_maps(crossing, places, rates, kind_of_map, durations, of_beam)
-    from_vehicle, spring = _vehicle_stages(crossing, free_vehicle, held_vehicle, contact)
-    to_stages = _solve_stages(
+    from_vehicle, spring = vehicle_stages(crossing, free_vehicle, held_vehicle, contact)
+    to_stages = solve_stages(
         crossing, contact, from_vehicle[:, kind_of_map], spring[:, kind_of_map],
         beam.deflections, beam.compliance,
         pace.climbed(GAUSS, vehicle.tire_lags, pace.widths[kind_of_map]), pitches,
@@ -275,12 +275,6 @@ def build_cells(
         nodes, kind, map_of, free, gains, to_stages, np.concatenate(per_state, axis=-1),
         rows.constant, np.append(vehicle.pitched, np.zeros(2 * n_modes)) if pitches else None,
     )  # fmt: skip
-
-
-def vehicle_matrices(vehicle: Vehicle, contact: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
-    """State and input matrices on the tires in contact; the others' input is a force, R - W."""
-    inputs = np.where(contact, vehicle.road_input, vehicle.tire_input)
-    return vehicle.state_matrix_on_tires(contact), inputs
 
 
 def modal_forces(crossing: Crossing, places: FloatArray, forces: FloatArray) -> FloatArray:
@@ -368,59 +362,3 @@ def _beam_maps(
         at_end.reshape(n_speeds, n_maps, 2 * n_modes, q),
         effect,
     )
-
-
-def _vehicle_stages(
-    crossing: Crossing, free: FloatArray, held: FloatArray, contact: NDArray[np.bool_]
-) -> tuple[FloatArray, FloatArray]:
-    """G and H of the module's docstring: tire forces from the vehicle and the surface."""
-    vehicle = crossing.linear
-    stage, tire = np.divmod(np.arange(N_STAGES * vehicle.n_tires), vehicle.n_tires)
-    hubs = vehicle.leading_hubs[tire]
-    stiffness = (contact * vehicle.tire_stiffnesses)[tire, np.newaxis]
-    held = held[:, :, stage]
-    from_vehicle = stiffness * np.einsum("qi,suqij->suqj", hubs, free[:, :, stage])
-    from_surface = np.einsum("qi,suqij->suqj", hubs, held) - np.eye(len(stage))
-    return from_vehicle, stiffness * from_surface
-
-
-def _solve_stages(
-    crossing: Crossing,
-    contact: NDArray[np.bool_],
-    from_vehicle: FloatArray,
-    spring: FloatArray,
-    from_beam: FloatArray,
-    compliance: FloatArray,
-    climbed: FloatArray,
-    pitches: bool,
-) -> FloatArray:
-    """Stage values [R, u] from states and road rows: the system of the module's docstring.
-
-    `climbed` tells of the road at the stages by its rise in the cell (..., N_STAGES, n_tires).
-    """
-    vehicle, n_tires, n = crossing.linear, crossing.linear.n_tires, from_vehicle.shape[-1]
-    stage, tire = np.divmod(np.arange(N_STAGES * n_tires), n_tires)
-    own, size = np.arange(len(stage)), from_beam.shape[-1]
-    batch, count = compliance.shape[:2], len(stage)
-    # What the surface is without the tire forces, from modal states and road rows.
-    given = np.zeros((*batch, count, size + 2 * n_tires + 1 + pitches))
-    given[..., :size] = from_beam
-    given[:, :, own, size + tire] = 1.0
-    given[:, :, own, size + n_tires + 1 + tire] = climbed[..., stage, tire]
-    flying = np.nonzero(~contact[tire])[0]
-    if flying.size:
-        compliance = compliance.copy()
-        compliance[:, :, flying] = given[:, :, flying] = 0.0
-        given[:, :, flying, size + n_tires] = -crossing.linear.static_loads[tire[flying]]
-    right = np.empty((*batch, count, n + given.shape[-1]))
-    right[..., :n], right[..., n:] = from_vehicle, spring @ given
-    right[..., n + size + n_tires] += (contact * vehicle.static_loads)[tire]
-    if pitches:  # as the motion from the rest that the acceleration leads to
-        spring_forces = vehicle.tire_stiffnesses * (vehicle.hubs @ vehicle.pitched)
-        right[..., -1] += spring_forces[tire] - from_vehicle @ vehicle.pitched
-    stages = np.empty((*batch, 2 * count, right.shape[-1]))
-    forces, surface = stages[:, :, :count], stages[:, :, count:]
-    forces[:] = np.linalg.solve(np.eye(count) - spring @ compliance, right)
-    np.matmul(compliance, forces, out=surface)
-    surface[..., n:] += given
-    return stages

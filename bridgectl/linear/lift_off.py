@@ -28,10 +28,10 @@ from bridgectl.linear.cells import (
     modal_forces,
     parabola,
     road_rows,
-    vehicle_matrices,
 )
 from bridgectl.linear.modes import hold_responses, mode_responses
 from bridgectl.linear.runs import LIFT_OFF, Run
+from bridgectl.linear.stages import vehicle_matrices
 from bridgectl.model.crossing import Crossing
 
 EVENT_TOLERANCE = 1e-12
