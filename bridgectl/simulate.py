@@ -347,7 +347,7 @@ def ramp_surface(
     grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every)
     judge_crossing(crossing, c)
     require_surface(crossing, c, grid.approach, grid.length, method)
-    require_springs(vehicle, "a ramp surface")
+    require_springs(vehicle, "ramp surfaces")
     devices = fitted(damper, vehicle, method)
     judge_range(vehicle, *devices)
     for given in devices:
@@ -368,7 +368,7 @@ def fitted(
         return []
     from bridgectl.dampers.actuator import as_damper, bare_vehicle
 
-    require_springs(vehicle, "a damper")
+    require_springs(vehicle, "crossings with a damper")
     if motions:
         raise ValueError(f"damper goes with a constant speed: got {motions[0]!r}, leave it out")
     if method != "propagator":

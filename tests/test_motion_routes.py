@@ -140,6 +140,14 @@ def test_accelerations_of_a_braking_truck_are_those_of_the_other_route():
     np.testing.assert_allclose(together[0], fast, atol=1e-6)
 
 
+def test_several_effects_of_a_braking_car_are_those_of_the_other_route():
+    effects = ["moment", bc.Deflection(8.0), "tire_force"]
+    fast = bc.daf(BEAM, CAR, [STOPPING, 20.0], start=-8.0, effect=effects)
+    slow = bc.daf(BEAM, CAR, [STOPPING, 20.0], start=-8.0, effect=effects, method="control")
+    np.testing.assert_allclose(fast, slow, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(bc.daf(BEAM, CAR, STOPPING, start=-8.0), fast[0, :1], atol=1e-8)
+
+
 def test_long_braking_moves_load_to_the_front_axle():
     braking = bc.Motion(30.0, acceleration=[0, -2], changes=[-300])
     found = bc.crossing_response(BEAM, TRUCK, braking, start=-310)

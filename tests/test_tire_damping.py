@@ -115,6 +115,22 @@ def test_a_response_tells_the_rate_of_the_road_and_forces_jump_with_it():
     assert force[jump] - force[jump - 1] == pytest.approx(5e3 * 0.25, rel=0.02)  # N
 
 
+def test_the_dynamics_are_the_linear_map_of_place_and_speed():
+    crossing, speed = bc.Crossing(BEAM, TRUCK), 25.0
+    rng = np.random.default_rng(1)
+    state = np.repeat([1e-3, 1e-2], crossing.n_states // 2) * rng.normal(size=crossing.n_states)
+    road, rate, force = rng.normal(0, 1e-4, 2), rng.normal(0, 1e-2, 2), np.array([120.0, -80.0])
+    for x in (2.0, 12.0, 27.0):
+        linear = crossing.state_matrix(x, speed) @ state + crossing.load_vector(x)
+        linear += crossing.road_matrix(x) @ (road + TRUCK.tire_lags * rate)
+        linear += crossing.damper_matrix @ force
+        given = road + TRUCK.tire_lags * rate, force, speed
+        np.testing.assert_allclose(crossing.dynamics(x, state, *given), linear, rtol=1e-9)
+        system = crossing.system(bc.Motion(speed))
+        inputs = np.concatenate([road, rate, force])
+        np.testing.assert_allclose(system.dynamics(x / speed, state, inputs), linear, rtol=1e-9)
+
+
 def test_on_a_rigid_road_the_vehicles_system_is_the_crossings():
     times = np.linspace(0, 1, 401)
     rate = 0.02 * np.sin(9 * times)
@@ -165,6 +181,22 @@ def test_vehicles_carry_their_tires_into_a_convoy():
     assert "tire_damping=5000 N s/m" in repr(CAR)
 
 
+@pytest.mark.parametrize("vehicle", [CAR, TRUCK])
+def test_predictions_and_envelopes_are_of_the_same_crossing(vehicle):
+    given = {"profile": rough_road(3, -14.0, 25.0, step=0.5), "start": -10.0}
+    known = bc.prediction_matrices(BEAM, vehicle, 25.0, **given)
+    states = [known.initial]
+    for transition, offset in zip(known.transitions, known.offsets, strict=True):
+        states.append(transition @ states[-1] + offset)
+    moments = (known.effect_rows * states).sum(axis=1) + known.effect_constants
+    response = bc.crossing_response(BEAM, vehicle, 25.0, **given)
+    at_nodes = np.interp(known.positions / 25, response.time, response.outputs["moment"])
+    np.testing.assert_allclose(moments[known.entry :], at_nodes[known.entry :], atol=1e-8)
+    envelope = bc.envelope(BEAM, vehicle, 25.0, **given, at=[5.0, 10.0])
+    peaks = [bc.peak_effect(BEAM, vehicle, 25.0, **given, effect=bc.Moment(x)) for x in (5, 10)]
+    np.testing.assert_allclose(envelope.largest, np.ravel(peaks), rtol=1e-9)
+
+
 def unknown_slopes() -> object:
     """A bridge that tells what a `BridgeModel` must, and no slopes."""
 
@@ -182,12 +214,12 @@ def unknown_slopes() -> object:
         (
             lambda: bc.ramp_surface(BEAM, CAR, 25.0),
             ValueError,
-            "tire_damping must be 0 with a ramp",
+            "tire_damping must be 0 in ramp surfaces",
         ),
         (
             lambda: bc.daf(BEAM, CAR, 25.0, damper=bc.dampers.passive(7e3)),
             ValueError,
-            "tire_damping must be 0 with a damper",
+            "tire_damping must be 0 in crossings with a damper",
         ),
         (lambda: bc.daf(unknown_slopes(), CAR, 25.0), TypeError, "give it a method mode_slopes(x)"),
         (

@@ -13,7 +13,8 @@ from bridgectl._warn import warn
 from bridgectl.linear.cells import bridge_entry, road_rows
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.lift_off import LiftOffWarning
-from bridgectl.linear.runs import Run, Stretch, lifts_off, prepare, propagate
+from bridgectl.linear.runs import Run, Stretch, lifts_off, propagate
+from bridgectl.linear.start import begin
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing
 from bridgectl.model.effect import Effect
@@ -131,7 +132,7 @@ def prediction_matrices(
     1.1484 predicted, 1.1484 simulated
     """
     crossing, c = make_crossing(beam, vehicle, effect, section, recovery), Motion(speed).speed
-    run, speeds = prepare(crossing, profile, start), np.array([c])
+    run, speeds = begin(crossing, profile, start, c), np.array([c])
     judge_crossing(crossing, c, profile)
     require_crossing(run, speeds)
     nodes = run.nodes(c)

@@ -114,7 +114,7 @@ def require_quarter_car(
             f"{name} must be a QuarterCar, got {type(vehicle).__name__}: {why}, type for example "
             "bridgectl.li2006.car()"
         )
-    require_springs(vehicle, "a damper that is controlled")
+    require_springs(vehicle, "closed loops, scores, closed forms and animations")
     return vehicle
 
 
@@ -122,7 +122,7 @@ def require_springs(vehicle: Vehicle | QuarterCar, what: str) -> None:
     """Refuse tires with damping where they are springs alone."""
     if vehicle.linear.tire_damping.any():
         raise ValueError(
-            f"tire_damping must be 0 with {what}, which takes tires as springs alone, got "
+            f"tire_damping must be 0 in {what}, where tires are springs alone, got "
             f"{vehicle.linear.tire_damping} N s/m: leave it out"
         )
 
