@@ -313,8 +313,8 @@ def ramp_surface(
     Raises
     ------
     TypeError, ValueError
-        If a parameter has the wrong kind, shape or range, tires have damping, or the work would be
-        too much; the message names it.
+        If a parameter has the wrong kind, shape or range, or the work would be too much; the
+        message names it.
 
     Warns
     -----
@@ -347,7 +347,8 @@ def ramp_surface(
     grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every)
     judge_crossing(crossing, c)
     require_surface(crossing, c, grid.approach, grid.length, method)
-    require_springs(vehicle, "ramp surfaces")
+    if method == "control":
+        require_springs(vehicle, 'ramp surfaces by method="control"')
     devices = fitted(damper, vehicle, method)
     judge_range(vehicle, *devices)
     for given in devices:

@@ -11,7 +11,9 @@ from reference_trucks import needs_reference, reference_case
 from scipy.integrate import solve_ivp
 
 import bridgectl as bc
+from bridgectl.linear.runs import prepare
 from bridgectl.model.beam import Beam
+from bridgectl.surface.tire_contact import TireContact
 
 BEAM = bc.Beam(25, 18358, 4.865e10, n_modes=4, damping_ratio=0.01)
 CAR = bc.QuarterCar(9000, 1000, 80e3, 1.8e6, 7e3, tire_damping=5e3)
@@ -197,6 +199,44 @@ def test_predictions_and_envelopes_are_of_the_same_crossing(vehicle):
     np.testing.assert_allclose(envelope.largest, np.ravel(peaks), rtol=1e-9)
 
 
+@pytest.mark.parametrize("vehicle", [CAR, TRUCK])
+@pytest.mark.parametrize("effect", ["moment", bc.TireForce(sense="smallest")])
+def test_ramps_superpose(vehicle, effect):
+    surface = bc.ramp_surface(BEAM, vehicle, [20.0, 33.0], approach=40.0, effect=effect)
+    rng, ramp = np.random.default_rng(1), 430  # on the bridge
+    one, all_of_them = np.zeros(650), rng.normal(0, 3e-4, 650)
+    one[ramp] = 1e-3
+    for drops, found in ((one, surface.daf_unit[:, ramp]), (all_of_them, None)):
+        road = surface.road(drops)
+        simulated = bc.daf(BEAM, vehicle, surface.speeds, road, start=-40.0, effect=effect)
+        superposed = surface.superposed_daf(road) if found is None else found
+        np.testing.assert_allclose(superposed, simulated, rtol=0, atol=1e-8)
+
+
+def test_a_surface_of_damped_tires_is_saved_and_loaded(tmp_path):
+    surface = bc.ramp_surface(BEAM, CAR, [20.0])
+    surface.save(tmp_path / "damped.npz")
+    again = bc.load_surface(tmp_path / "damped.npz", vehicle=CAR)
+    np.testing.assert_array_equal(again.daf_unit, surface.daf_unit)
+    with pytest.raises(bc.SurfaceFileError, match="tire_damping is 5000"):
+        bc.load_surface(tmp_path / "damped.npz", vehicle=dataclasses.replace(CAR, tire_damping=0))
+
+
+def test_lift_off_is_looked_for_in_the_forces_of_damped_tires():
+    edges = -40 + 0.1 * np.arange(651)
+    drops = np.random.default_rng(2).normal(0, 6e-4, (650, 1))
+    smooth = prepare(bc.Crossing(BEAM, CAR), bc.RoadProfile(edges, 0 * edges), -40.0)
+    contact = TireContact(smooth, np.array([25.0]), 0.1, 650)
+    least = 1 + contact._least_change(0.1 / 25, drops[: contact.n_before])[0]
+    road = bc.RoadProfile(edges, -np.append(0.0, np.cumsum(drops)))
+    found = bc.crossing_response(BEAM, CAR, 25.0, road, start=-40)
+    here, x = found.time < 0, found.time * 25
+    states, run = np.asarray(found.states).T[here], smooth._replace(profile=road)
+    # A force is least just before a kink or just after it.
+    forces = [run.forces(x[here], states, 25.0 + 0 * x[here], before=b) for b in (False, True)]
+    assert least == pytest.approx(np.min(forces) / 98100, abs=2e-3)
+
+
 def unknown_slopes() -> object:
     """A bridge that tells what a `BridgeModel` must, and no slopes."""
 
@@ -212,7 +252,7 @@ def unknown_slopes() -> object:
     ("call", "error", "says"),
     [
         (
-            lambda: bc.ramp_surface(BEAM, CAR, 25.0),
+            lambda: bc.ramp_surface(BEAM, CAR, 25.0, method="control"),
             ValueError,
             "tire_damping must be 0 in ramp surfaces",
         ),

@@ -124,7 +124,8 @@ def linear_surface(
     ramps = crossing.orientation * np.array(peaks)[..., :: grid.every]
     vehicle = crossing.linear
     if vehicle.n_tires == 1:  # of several tires, lift-off is looked for in roads alone
-        force = LIFTING * vehicle.tire_stiffnesses[0] * grid.height
+        rate = vehicle.tire_lags[0] * float(speeds.max()) / grid.length
+        force = LIFTING * vehicle.tire_stiffnesses[0] * (1 + rate) * grid.height
         if force > vehicle.static_loads[0]:
             _fly(run, speeds, grid, ramps, progress)
     return grid.surface(crossing, speeds, smooth, ramps, histories)
