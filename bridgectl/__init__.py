@@ -14,7 +14,7 @@ Its rooms, each of which imports from those below it alone (`lint-imports`, `tes
     dampers     strategies; loop/ closed loops, optimum/ the best with all known;  extremes
     surface     ramp surfaces: compute, histories, DAE, trust, file
     linear      linear crossings: cells, runs, peaks, lift-off
-    model       bridge, vehicle, load effects, the crossing of both;  road (files/);  measures
+    model       bridge, vehicle (trucks/), load effects, their crossing;  road (files/);  measures
     plots       figures of whatever has what they draw
 
 SI units throughout; speeds in m/s. Displacements are positive downward, road elevations
@@ -132,7 +132,7 @@ __all__ = [
 _ROOMS = {
     "dampers": "dampers", "extremes": "extremes", "li2006": "paper.li2006",
     "measures": "measures", "passive_theory": "dampers.passive_theory", "plots": "plots",
-    "road": "road",
+    "road": "road", "trucks": "model.trucks",
 }  # fmt: skip
 """Modules that are offered as such, and where they are."""
 

@@ -14,6 +14,17 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.floating[Any]]
 
 
+class UnloadedTireError(ValueError):
+    """A tire that a vehicle would have to hold down; `loads` are those of all tires [N]."""
+
+    def __init__(self, loads: FloatArray) -> None:
+        super().__init__(
+            f"every tire must carry a static load above 0 N, got {loads} N; check mass_matrix, "
+            "tire_map and heave"
+        )
+        self.loads = loads
+
+
 def number(name: str, value: Any, *, unit: str = "") -> float:
     """Return `value` as a finite float, or say which argument is not one."""
     zero_d = isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "iuf"

@@ -77,8 +77,12 @@ LIGHTEST_AXLE, SOFTEST_TIRE = 10.0, 1e4
 FIRMEST = 50.0
 """Largest damping of a damper over the suspension's critical damping."""
 
-SLOWEST_SAMPLE, SLOWEST_LAG, WEAKEST, NOISIEST = 0.1, 2.0, 100.0, 1.0
-"""A damper's sample time [s], lag [s], force limit [N] and noise [m/s] that are no use any more."""
+SLOWEST_SAMPLE, SLOWEST_LAG, WEAKEST, NOISIEST, LOST = 0.1, 2.0, 100.0, 1.0, 100.0
+"""A damper's sample time [s], lag [s], force limit [N], noise [m/s] and error of position [m] that
+are no use any more."""
+
+SHAKIEST, LOOSEST = 50.0, 0.1
+"""And noise of its accelerometers [m/s^2] and of its travel [m]."""
 
 ROUGHEST = 0.35
 """Largest rms slope of a road about its grade [m/m]: class G has 0.29 at steps of 0.1 m."""
@@ -108,6 +112,11 @@ def judge_quarter_car(car: QuarterCar) -> None:
 def judge_vehicle(vehicle: Vehicle) -> None:
     """Warn of a vehicle that is no road vehicle."""
     _tell(chain(_weight_doubts(vehicle), _vehicle_doubts(vehicle)))
+
+
+def judge_truck(vehicle: Vehicle) -> None:
+    """Warn of a vehicle from parts that is no road vehicle."""
+    _tell(chain(_weight_doubts(vehicle), _truck_doubts(vehicle)))
 
 
 def judge_crossing(
@@ -318,6 +327,16 @@ def _damper_doubts(damper: Damper) -> Iterator[str]:
         yield f"max_force = {force:g} N holds nothing: for {force:g} kN type {force * 1e3:g}"
     if noise > NOISIEST:
         yield f"velocity_noise = {noise:g} m/s hides all: for {noise:g} mm/s type {noise / 1e3:g}"
+    for name in ("position_error", "position_deviation"):
+        if abs(error := getattr(damper, name)) > LOST:
+            yield f"{name} = {error:g} m misses the bridge: for {error:g} mm type {error / 1e3:g}"
+    if (shaky := damper.acceleration_noise) > SHAKIEST:
+        yield (
+            f"acceleration_noise = {shaky:g} m/s^2 hides all: for {shaky:g} mm/s^2 type "
+            f"{shaky / 1e3:g}"
+        )
+    if (loose := damper.travel_noise) > LOOSEST:
+        yield f"travel_noise = {loose:g} m hides all: for {loose:g} mm type {loose / 1e3:g}"
 
 
 def _range_doubts(car: QuarterCar, damper: Damper) -> Iterator[str]:
@@ -342,6 +361,21 @@ def _vehicle_doubts(vehicle: Vehicle) -> Iterator[str]:
             f"the vehicle's lowest frequency on a rigid road is {lowest:.3g} Hz, vehicles have "
             f"{BODY[0]:g} to {BODY[1]:g} Hz: check mass_matrix [kg], stiffness_matrix and "
             "tire_stiffnesses [N/m]; for kN/m type 1e3 * stiffness"
+        )
+
+
+def _truck_doubts(truck: Vehicle) -> Iterator[str]:
+    lowest, highest = truck.frequencies[[0, -1]]
+    if not BODY[0] <= lowest <= BODY[1]:
+        yield (
+            f"the truck's lowest frequency on a rigid road is {lowest:.3g} Hz, trucks have "
+            f"{BODY[0]:g} to {BODY[1]:g} Hz: check mass [kg], inertia [kg m^2], "
+            "suspension_stiffness and tire_stiffness [N/m]; for kN/m type 1e3 * stiffness"
+        )
+    elif highest > HOP[1]:
+        yield (
+            f"an axle moves at {highest:.3g} Hz, trucks' at {HOP[1]:g} Hz at most: check its mass "
+            "[kg], the inertia of its group [kg m^2] and tire_stiffness [N/m]"
         )
 
 

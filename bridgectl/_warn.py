@@ -14,7 +14,7 @@ HERE = Path(__file__).parent
 
 COMMAND_LINE = tuple(
     str(HERE / "cli" / f"{name}.py")
-    for name in ("main", "dae", "score", "options", "bridges", "bridge_file")
+    for name in ("main", "dae", "score", "options", "bridges", "bridge_file", "trucks")
 )
 """Modules that call the package as a user does."""
 

@@ -12,7 +12,8 @@ from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.bridge_effects import Moment
 from bridgectl.model.crossing import Crossing, require_factor
 from bridgectl.model.motion import Motion
-from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle, signals
 from bridgectl.plots.animation import BETWEEN, DrawnCrossing, draw_crossing
 from bridgectl.road import RoadProfile
 from bridgectl.simulate import crossing_response
@@ -23,7 +24,7 @@ RUNS_UP, ROLLS_ON = 0.16, 0.12
 
 def crossing_animation(
     beam: BridgeModel,
-    vehicle: QuarterCar,
+    vehicle: Vehicle | QuarterCar,
     speed: float,
     profile: RoadProfile | None = None,
     *,
@@ -35,18 +36,18 @@ def crossing_animation(
 ) -> FuncAnimation:
     """Animate a crossing: the vehicle on the deflected bridge, moment and tire force below it.
 
-    Body, spring, axle and tire roll over the road at x = c t, from a little before the bridge (or
-    from `start`, if that is nearer) to a little behind it. The vertical scale is exaggerated, by
-    one factor for the bridge's deflection and by another for the road and the compression of tire
-    and suspension: the picture names both. Moment and tire force build up below, as fractions of
-    the peak static moment and of the static load.
+    Bodies, springs, axles and tires roll over the road at x = c t, from a little before the bridge
+    (or from `start`, if that is nearer) until the last axle is a little behind it. The vertical
+    scale is exaggerated, by one factor for the bridge's deflection and by another for the road and
+    the compression of tires and suspensions: the picture names both. Moment and tire forces build
+    up below, as fractions of the peak static moment and of the static loads.
 
     Parameters
     ----------
     beam : Beam, Bridge or ModalBridge
         The bridge.
-    vehicle : QuarterCar
-        The vehicle.
+    vehicle : Vehicle or QuarterCar
+        The vehicle; one that tells no bodies has a box at each tire.
     speed : float
         Speed c [m/s].
     profile : RoadProfile, optional
@@ -78,7 +79,7 @@ def crossing_animation(
     Warns
     -----
     LiftOffWarning
-        If the tire leaves the road; the tire force is then zero.
+        If a tire leaves the road; its force is then zero.
 
     Examples
     --------
@@ -93,15 +94,15 @@ def crossing_animation(
     """
     if not isinstance(effect, Moment | None):
         raise TypeError(f"effect must be a Moment, got {effect!r:.60}: type bridgectl.Moment(12.5)")
-    car = require_quarter_car(vehicle, "no other is drawn")
-    crossing = Crossing(beam, car, effect or Moment())
+    crossing = Crossing(beam, vehicle, effect or Moment())
     require_factor(crossing)
     c = Motion(speed).speed
     count = check.integer("frames", frames, at_least=2)
     rate = check.positive("fps", fps)
     span = beam.length
     first = max(check.number("start", start, unit="m"), -RUNS_UP * span)
-    x = np.linspace(first, (1 + ROLLS_ON) * span, BETWEEN * (count - 1) + 1)
+    length = float(crossing.linear.tire_offsets.max())
+    x = np.linspace(first, (1 + ROLLS_ON) * span + length, BETWEEN * (count - 1) + 1)
     response = crossing_response(
         beam, vehicle, c, profile, start=start, damper=damper, tail=(ROLLS_ON + 0.01) * span / c,
         timepts=x / c, effect=crossing.effect, static=True,
@@ -117,22 +118,24 @@ def _drawn(
     start: float,
 ) -> DrawnCrossing:
     """Take what is drawn from the response."""
-    outputs, states = np.asarray(response.outputs), np.asarray(response.states)
-    signal = dict(zip(response.output_labels, outputs, strict=True))
-    x, modes = response.time * speed, states[crossing.n_vehicle :: 2].T
-    weight, stiffness = crossing.linear.static_loads[0], crossing.linear.tire_stiffnesses[0]
-    force, static = signal["tire_force"], signal["static_moment"]
-    squeeze, travel = (force - weight) / stiffness, signal["y_s"] - signal["y_t"]
+    signal = dict(zip(response.output_labels, np.asarray(response.outputs), strict=True))
+    vehicle, n = crossing.linear, crossing.n_vehicle
+    states = np.asarray(response.states)
+    loads, stiffnesses = (
+        each[:, np.newaxis] for each in (vehicle.static_loads, vehicle.tire_stiffnesses)
+    )
+    force = np.array([signal[name] for name in signals("tire_force", vehicle.n_tires)])
     return DrawnCrossing(
         crossing.beam,
         speed,
         profile,
         start,
-        x,
+        response.time * speed,
         signal["moment"],
-        static,
-        force / weight,
-        squeeze,
-        travel,
-        modes,
+        signal["static_moment"],
+        vehicle,
+        force / loads,
+        (force - loads) / stiffnesses,
+        vehicle.damper_map @ vehicle.displacements @ states[:n],
+        states[n::2].T,
     )

@@ -152,11 +152,74 @@ def test_bad_input_is_one_clear_error(bridge, truck, wrong, error, message):
         crossing_animation(bridge, truck, **arguments)
 
 
-def test_a_vehicle_of_two_axles_is_refused(bridge, truck):
-    with pytest.raises(
-        TypeError, match=r"must be a QuarterCar, got Vehicle: no other is drawn, type"
-    ):
-        crossing_animation(bridge, bc.convoy([truck, truck], [0, 5]), SPEED)
+def line_of(body):
+    """Ends of the lower edge of a body as it is drawn."""
+    left, width = body.get_x(), body.get_width()
+    along = body.get_transform() - body.axes.transData
+    return along.transform([(left, body.get_y()), (left + width, body.get_y())])
+
+
+@pytest.mark.filterwarnings("ignore:start = -20 m:UserWarning")  # a short approach will do
+@pytest.mark.parametrize("name", ["T5", "T5tridem"])
+def test_the_bodies_of_a_truck_roll_over_the_road_joined_at_the_hinge(bridge, road, name):
+    truck = bc.trucks.load(name)
+    animation = crossing_animation(bridge, truck, SPEED, road, start=-20, frames=4)
+
+    def look(parts, _):
+        tires = [parts["tire"], *(parts[f"tire {i}"] for i in range(2, truck.n_tires + 1))]
+        x = np.array([tire.get_center()[0] for tire in tires])
+        assert x[0] - x == pytest.approx(truck.tire_offsets)
+        ends = line_of(parts["body"]), line_of(parts["body 2"])
+        # Rear and front of each: x grows forward, as the vehicle drives.
+        for (rear, front), told in zip(ends, truck.body_places, strict=True):
+            assert (x[0] - front[0], x[0] - rear[0]) == pytest.approx(tuple(told))
+        (hinge_x,), (hinge,) = parts["hinge"].get_data()
+        assert ends[1][1] == pytest.approx([hinge_x, hinge])
+        (rear, front), tall = ends[0], parts["body"].get_height()
+        assert hinge == pytest.approx(np.interp(hinge_x, *np.array([rear, front]).T) + tall)
+        return x[0], [front[1] - rear[1] for rear, front in ends]
+
+    seen = watch(animation, look)
+    # Until the last axle is a little behind the bridge.
+    assert seen[-1][0] == pytest.approx(1.12 * 25 + truck.tire_offsets[-1])
+    assert np.ptp([pitch for _, pitches in seen for pitch in pitches]) > 0.1  # m as drawn
+
+
+@pytest.mark.filterwarnings("ignore:start = -20 m:UserWarning")
+def test_the_springs_of_a_truck_end_at_axle_and_body(bridge, road):
+    animation = crossing_animation(bridge, bc.trucks.load("T2"), SPEED, road, start=-20, frames=3)
+
+    def look(parts, _):
+        rear, front = line_of(parts["body"])
+        for spring, hub in (("spring", "hub"), ("spring 2", "hub 2")):
+            x, heights = parts[spring].get_data()
+            assert heights[0] == pytest.approx(parts[hub].get_ydata()[0])
+            assert heights[-1] == pytest.approx(np.interp(x[-1], *np.array([rear, front]).T))
+
+    watch(animation, look)
+
+
+def test_what_tells_no_bodies_has_a_box_at_each_tire_and_every_tire_its_curve(bridge, truck):
+    mass = bc.Vehicle([[5750.0]], [[0.0]], [[0.0]], [1.595e6])  # sprung mass: no leg
+    convoy = bc.convoy([truck, mass, bc.trucks.load("T2")], [0, 5, 12])
+    animation = crossing_animation(bridge, convoy, SPEED, frames=3)
+
+    def look(parts, _):
+        middles = [
+            parts[name].get_x() + parts[name].get_width() / 2
+            for name in ("body", "body 2", "body 3")
+        ]
+        x = parts["tire"].get_center()[0]
+        assert sorted(x - np.array(middles)) == pytest.approx([0, 5, 14.5])
+        return [parts[name].get_ydata()[-1] for name in ("tire force", "tire force 4")]
+
+    forces = watch(animation, look)[-1]
+    x = np.array([1.0, 1.12 * 25 + 17]) / SPEED
+    response = bc.crossing_response(bridge, convoy, SPEED, tail=0.13 * 25 / SPEED, timepts=x)
+    loads = convoy.static_loads
+    for force, tire in zip(forces, (0, 3), strict=True):
+        found = response.outputs[f"tire_force_{tire + 1}"]
+        assert force * loads[tire] == pytest.approx(found[-1], rel=1e-6)
 
 
 def test_several_spans_are_drawn_with_their_supports_and_a_moment_over_the_pier(truck):

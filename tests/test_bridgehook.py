@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import bridgectl as bc
 from bridgectl.dampers import SIGNALS, Damper, bridgehook, costate, passive, simulate_loop
 from bridgectl.dampers.block import CROSSING_OUTPUTS
-from bridgectl.dampers.bridgehook import Bridgehook
+from bridgectl.dampers.bridgehook import Bridgehook, _blurred
 from bridgectl.dampers.loop.batch_law import BatchLaw
 from bridgectl.dampers.peak_value import _expected, peak_value
 from bridgectl.linear.cells import build_cells
@@ -306,6 +306,42 @@ def test_a_lag_is_made_up_for_by_what_the_signals_will_be(bridge, truck):
         bridgehook(bridge, truck, SOFT, STIFF, lag=-0.01)
 
 
+@pytest.mark.parametrize("deviation", [0.3, 1.0])
+def test_of_places_that_are_known_to_a_deviation_the_mean_worth_counts(found, deviation):
+    """Against a sum over thousands of places, to 1e-5 of the largest; 0 behind the bridge."""
+    n = np.linspace(-6, 6, 6001)
+    weights = np.exp(-(n**2) / 2)
+    told, *means = _blurred(found, deviation)
+    places = told[:, np.newaxis] + deviation * n
+    for values, mean in zip(found[1:], means, strict=True):
+        each = np.interp(places, found.positions, values, right=0.0)
+        expected = each @ weights / weights.sum()
+        assert mean == pytest.approx(expected, abs=1e-5 * np.abs(values).max())
+    assert told[-1] == pytest.approx(25.0 + 3 * deviation, abs=1e-9)
+
+
+def test_places_that_are_known_are_taken_as_they_are(found):
+    assert _blurred(found, 0.0) is found
+
+
+def test_both_laws_may_be_told_how_well_places_are_known(bridge, truck):
+    """Sigma of a sharp costate turns less often; behind the bridge three deviations are active."""
+    x = np.linspace(-40, 25, 2000)
+    for feedback in (True, False):
+        sure, unsure = (
+            bridgehook(bridge, truck, SOFT, STIFF, feedback=feedback, position_deviation=d)
+            .for_speed(SPEED).command(position=x, suspension_velocity=0.1)
+            for d in (0.0, 1.0)
+        )  # fmt: skip
+        turns, fewer = (np.count_nonzero(np.diff(c)) for c in (sure, unsure))
+        assert 1 < fewer <= turns
+        assert not np.array_equal(sure, unsure)
+    law = bridgehook(bridge, truck, SOFT, STIFF, position_deviation=1.0).for_speed(SPEED)
+    behind = law.command(position=[27.9, 28.1], suspension_velocity=0.1)
+    assert behind[0] in (SOFT, STIFF)
+    assert behind[1] == 7e3
+
+
 def test_the_command_needs_the_speed_whose_law_it_is(bridge, truck):
     law = bridgehook(bridge, truck, SOFT, STIFF)
     signals = {"position": [3.0, 9.0], "axle_velocity": 0.1, "suspension_velocity": -0.1}
@@ -368,3 +404,23 @@ def test_a_late_and_noisy_damper_keeps_most_of_the_gain(bridge, truck, crossings
     )
     assert own.max() - late.max() > 0.6 * (own.max() - hook.max())
     assert made_up.max() < late.max() - 0.002
+
+
+@pytest.mark.slow
+def test_made_for_a_metre_it_keeps_more_of_its_gain_there_and_does_no_harm_at_three(
+    bridge, truck, crossings
+):
+    """Mean DAF over four speeds; told of places a metre or three before or behind the true ones."""
+    _, own, hook, mean = crossings
+    unsure = bridgehook(bridge, truck, SOFT, STIFF, position_deviation=1.0)
+    very = bridgehook(bridge, truck, SOFT, STIFF, position_deviation=3.0)
+
+    def gain(law, error):
+        return np.mean([own - mean(Damper(law, position_error=e)) for e in (-error, error)])
+
+    whole = (own - hook).mean()
+    assert gain(LAWS[True], 1.0) < 0.6 * whole
+    assert gain(unsure, 1.0) > gain(LAWS[True], 1.0) + 0.005
+    assert (own - mean(unsure)).mean() > 0.8 * whole
+    assert gain(LAWS[True], 3.0) < 0
+    assert gain(very, 3.0) > 0.005

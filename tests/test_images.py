@@ -24,7 +24,7 @@ from matplotlib.collections import Collection
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
-from matplotlib.patches import StepPatch
+from matplotlib.patches import Circle, FancyBboxPatch, StepPatch
 from matplotlib.text import Text
 from PIL import Image
 
@@ -35,7 +35,7 @@ from bridgectl.extremes.pairs import EqualRoughnessPair
 from bridgectl.paper.damper_validation import DamperCase
 from bridgectl.paper.printed import PaperResults
 from bridgectl.paper.validation import Case, ValidationResults, WarningLight
-from bridgectl.plots import dae_figure
+from bridgectl.plots import dae_figure, response_figure, vehicle_plot
 from bridgectl.plots.ramp_heights import ramp_height_figure
 from bridgectl.plots.roads import pair_figure, profile_figure, psd_plot
 from bridgectl.plots.scores import score_figure
@@ -211,6 +211,22 @@ def crossing() -> Figure:
     return frame.fig
 
 
+def vehicle() -> Figure:
+    return vehicle_plot(bc.trucks.load("T5tridem")).figure
+
+
+def response() -> Figure:
+    beam, truck = bc.li2006.beam(), bc.trucks.load("T5air")
+    return response_figure(bc.crossing_response(beam, truck, 25.0, static=True))
+
+
+def semitrailer() -> Figure:
+    beam, truck, frame = bc.li2006.beam(), bc.trucks.load("T5air"), Frame(2)
+    with suppress(StopAsyncIteration):
+        crossing_animation(beam, truck, 25.0, wavy_road(0.0), frames=5).save("n", writer=frame)
+    return frame.fig
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     make.__name__: make
     for make in (
@@ -224,6 +240,9 @@ FIGURES: dict[str, Callable[[], Figure]] = {
         heights,
         validation,
         crossing,
+        vehicle,
+        response,
+        semitrailer,
     )
 }
 
@@ -296,6 +315,9 @@ REMOVED: dict[str, list[tuple[type[Artist], str, int]]] = {
     "heights": [(Line2D, "simulated DAF", -1), (Line2D, "DAE of order 2", -1), (Legend, "", -1)],
     "validation": [(Line2D, "DAE", -1), (Legend, "", -1)],
     "crossing": [(Line2D, "moment", -1), (Line2D, "road", -1), (Legend, "", -1)],
+    "vehicle": [(FancyBboxPatch, "", 0), (FancyBboxPatch, "", 1), (Circle, "", -1)],
+    "response": [(Line2D, "moment", 0), (Line2D, "tire_force_2", 0), (Line2D, "thB2", 0)],
+    "semitrailer": [(FancyBboxPatch, "body", 0), (FancyBboxPatch, "body 2", 0), (Circle, "", 0)],
 }
 """Kind and label of what must not be missing: of those that fit, the one at the index goes.
 

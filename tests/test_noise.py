@@ -100,6 +100,27 @@ def test_roads_speeds_and_seeds_have_noise_of_their_own(bridge, truck):
     assert np.std(first) == pytest.approx(0.05, rel=0.5)
 
 
+def test_accelerometers_and_travel_have_noise_of_their_own(bridge, truck):
+    """Alone as beside others, of their deviations, and that of velocities stays as it is."""
+    x, names = np.linspace(0, 100, 5), ["axle_velocity", "axle_acceleration", "suspension_travel"]
+    roads = np.vstack([0 * x, 1e-3 * np.sin(x)])
+    both = Damper(
+        passive(7e3), velocity_noise=0.05, acceleration_noise=0.2, travel_noise=1e-3, max_force=1e9
+    )
+    found = simulate_loop(bridge, truck, both, [9.0, 10.0], x, roads, record=names).histories[1]
+    alone = simulate_loop(bridge, truck, both, 10.0, x, roads[:1], record=names).histories[0]
+    plain = Damper(passive(7e3), velocity_noise=0.05, max_force=1e9)
+    old = simulate_loop(bridge, truck, plain, 10.0, x, roads[:1], record=names).histories[0]
+    assert alone["axle_velocity"] == pytest.approx(old["axle_velocity"], abs=1e-12)
+    for name, deviation in zip(names, (0.05, 0.2, 1e-3), strict=True):
+        assert alone[name][0] == pytest.approx(found[name][0], abs=1e-12)
+        noise = alone[name][0, -3000:]  # 6 s, far behind the bridge, at rest
+        assert np.std(noise) == pytest.approx(deviation, rel=0.05)
+        assert abs(np.corrcoef(noise[1:], noise[:-1])[0, 1]) < 0.05
+    every = np.array([alone[name][0, -3000:] for name in names])
+    assert np.abs(np.corrcoef(every) - np.eye(3)).max() < 0.06
+
+
 def test_noise_is_white_and_of_its_deviation(bridge, truck):
     x = np.linspace(0, 100, 5)
     damper = Damper(passive(7e3), velocity_noise=0.05, max_force=1e9)

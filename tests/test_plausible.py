@@ -122,6 +122,10 @@ def test_stiffness_in_kilonewtons_of_any_vehicle_is_told(truck):
         ({"lag": 10}, "lag = 10 s .*for 10 ms type 0.01"),
         ({"max_force": 20}, "max_force = 20 N .*for 20 kN type 20000"),
         ({"velocity_noise": 5}, "velocity_noise = 5 m/s .*for 5 mm/s type 0.005"),
+        ({"position_error": -500}, "position_error = -500 m .*for -500 mm type -0.5"),
+        ({"position_deviation": 300}, "position_deviation = 300 m .*for 300 mm type 0.3"),
+        ({"acceleration_noise": 80}, "acceleration_noise = 80 m/s.2 .*for 80 mm/s.2 type 0.08"),
+        ({"travel_noise": 0.5}, "travel_noise = 0.5 m .*for 0.5 mm type 0.0005"),
     ],
 )
 def test_a_dampers_units_are_told(slip, says):

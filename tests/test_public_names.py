@@ -39,7 +39,7 @@ from bridgectl.scoring.rows import MEASURES, ClassRow, Ranking
 
 ROOT = Path(__file__).parents[1]
 ROOMS = ("dampers", "extremes", "measures", "plots", "road")
-WITH_ALL = ("bridgectl", *(f"bridgectl.{room}" for room in ROOMS))
+WITH_ALL = ("bridgectl", *(f"bridgectl.{room}" for room in ROOMS), "bridgectl.model.trucks")
 
 OFFERED = {
     "bridgectl.paper.good_roads": ["good_roads"],
@@ -205,7 +205,7 @@ def _has_unit(text: str) -> bool:
 
 def test_there_are_few_public_names_and_each_is_offered_once():
     names = [name for _, name in _names()]
-    assert len(TOP) <= 90
+    assert len(TOP) <= 96
     assert sorted(names) == sorted({*names})
 
 
@@ -306,6 +306,11 @@ DIMENSIONLESS_CLASSES = (
 )  # fmt: skip
 
 
+def rigid_body():
+    axles = [bc.trucks.Axle(place, 900, 6e6, 1.75e6) for place in (0.0, 5.0)]
+    return bc.trucks.Body(1e4, 5e4, axles, centre=2.5)
+
+
 @pytest.fixture(scope="module")
 def things(bridge, truck):
     """One of every public class, and of what a public function returns."""
@@ -335,8 +340,10 @@ def things(bridge, truck):
         bc.TireForce(), bc.BodyAcceleration(), bc.Motion(25.0), bc.Shear(10.0), bc.Reaction(10.0),
         bc.Stress(10.0, section_modulus=1.0), bc.BridgeAcceleration(10.0),
         bc.Bridge([25, 20], 18358, 4.865e10), bc.envelope(bridge, truck, 25.0, at=[5.0]),
+        *[bc.trucks.Axle(0.0, 900, 6e6, 1.75e6), bc.trucks.load("T2"), rigid_body()],
         bc.ModalBridge([0, 10, 25], np.eye(3), [4.0, 16.0, 36.0], 2e5),
         dampers.skyhook(1e3, 30e3), hook, dampers.preset(1e3, 30e3), dampers.Damper(hook, lag=0.01),
+        dampers.Sensors.kalman(truck), dampers.measured(hook, dampers.Sensors.complementary()),
         dampers.costate(bridge, truck, 25.0), peak_value(bridge, truck, 25.0, 1e3, 30e3),
         dampers.simulate_loop(bridge, truck, *loop, record=["tire_force"]),
         bc.ramp_heights(bridge, truck, dampers.passive(7e3), 25.0, 5.0, approach=0.0),
@@ -387,7 +394,8 @@ def test_a_crossing_and_a_damper_tell_every_parameter(bridge, truck):
     )
     assert repr(dampers.Damper(dampers.passive(7e3), max_force=15e3)) == (
         "Damper(Strategy('passive 7 kN s/m', c from 7000 to 7000 N s/m), sample_time=0.002 s, "
-        "lag=0 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)"
+        "lag=0 s, max_force=15000 N, velocity_noise=0 m/s, seed=0, "
+        "position_error=0 m, position_deviation=0 m, acceleration_noise=0 m/s^2, travel_noise=0 m)"
     )
 
 

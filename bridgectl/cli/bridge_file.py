@@ -31,7 +31,6 @@ Other keys are errors. Every error names the file, and the key or the line.
 from __future__ import annotations
 
 import re
-import tomllib
 import warnings
 from collections.abc import Mapping
 from itertools import product
@@ -43,7 +42,7 @@ from scipy.optimize import brentq
 
 from bridgectl import Beam, Bridge, ModalBridge
 from bridgectl import _checks as check
-from bridgectl._files import is_regular
+from bridgectl._toml import parsed, require_keys, require_known
 from bridgectl.model.modal_table import read_modes
 from bridgectl.model.told import told
 
@@ -79,7 +78,7 @@ def read_bridge(name: str) -> Beam | Bridge | ModalBridge:
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
         try:
-            content = _parsed(path)
+            content = parsed(path, "bridge", LOOKS["spans"], "example")
             of_modes = "modes" in content
             _require_known("", content, OF_MODES if of_modes else OF_SPANS)
             bridge = _modal_bridge(path, content) if of_modes else _of_spans(content)
@@ -91,34 +90,12 @@ def read_bridge(name: str) -> Beam | Bridge | ModalBridge:
     return bridge
 
 
-def _parsed(path: Path) -> dict[str, Any]:
-    if path.exists() and not is_regular(path):
-        raise ValueError("is no file but a folder, pipe or device: type the name of a TOML file")
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        raise ValueError("no such file: check the name and the folder, or type example") from None
-    except UnicodeDecodeError:
-        raise ValueError("is no UTF-8 text: type the name of a TOML file") from None
-    except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"is no TOML: {error}; lines look like {LOOKS['spans']}") from None
-    except RecursionError:
-        raise ValueError("is no TOML of a bridge: its brackets are too deep") from None
-
-
 def _require_known(where: str, given: Mapping[str, Any], known: tuple[str, ...]) -> None:
-    for key in given:
-        if key not in known:
-            wrong = f"{where} has {key!r}" if where else f"has the key {key!r}"
-            elsewhere = not where and key in (*OF_SPANS, *OF_MODES)
-            why = f"which does not go with {known[0]}" if elsewhere else "which is none"
-            raise ValueError(f"{wrong}, {why}: type one of {', '.join(known)}")
+    require_known(where, given, known, () if where else (*OF_SPANS, *OF_MODES))
 
 
 def _require(where: str, given: Mapping[str, Any], *keys: str) -> None:
-    for key in keys:
-        if key not in given:
-            raise ValueError(f"{where + ' ' if where else ''}lacks {key}: type {LOOKS[key]}")
+    require_keys(where, given, keys, LOOKS)
 
 
 def _of_spans(content: dict[str, Any]) -> Beam | Bridge:

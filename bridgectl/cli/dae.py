@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from bridgectl._units import from_kmh, to_kmh
 from bridgectl._version import __version__
 from bridgectl.cli import bridges, options
 from bridgectl.cli.effects import Asked, asked_effects
+from bridgectl.cli.trucks import vehicle_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,6 +50,7 @@ Without FILE: a measured road of 544 m that comes with the program.
 examples:
   bridgectl dae
   bridgectl dae road.csv --units m,mm --station 1250 --span 35 --plot dae.png
+  bridgectl dae --truck T5air --effect hogging@25 --spans 25,25 --mass-per-length 18e3 --frequency 4
   bridgectl dae --spans 25,25 --mass-per-length 18e3 --frequency 4.1 --effect sagging@10,hogging@25
   bridgectl dae --bridge example --effect reaction@50,deflection@12.5,tire_force
   bridgectl dae survey.erd --track RElev.
@@ -244,17 +246,13 @@ def _print_largest(console: Console, study: DaeStudy) -> None:
 def dae_json(studies: Sequence[DaeStudy]) -> dict[str, Any]:
     """Give everything of the studies, at every speed, with units in the keys."""
     first = studies[0]
-    surface, vehicle = first.surface, cast(bc.QuarterCar, first.asked.crossing.vehicle)
+    surface = first.surface
     shared = {
         "bridgectl": __version__,
         "road": {"name": first.road.name, "bridge_station_m": first.station,
                  "approach_m": surface.approach},
         "bridge": bridges.bridge_json(surface.beam),
-        "vehicle": {"sprung_mass_kg": vehicle.sprung_mass,
-                    "unsprung_mass_kg": vehicle.unsprung_mass,
-                    "suspension_stiffness_N_per_m": vehicle.suspension_stiffness,
-                    "tire_stiffness_N_per_m": vehicle.tire_stiffness,
-                    "damping_N_s_per_m": vehicle.damping},
+        "vehicle": vehicle_json(surface.vehicle),
         "speed_km_per_h": to_kmh(surface.speeds).tolist(),
         "simulated_acceleration_m_per_s2": first.acceleration,
     }  # fmt: skip

@@ -18,7 +18,6 @@ from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.bridge_effects import AtSection
 from bridgectl.model.effect import NO_FACTOR, Effect
 from bridgectl.model.effects import as_effect
-from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.supports import Support
 
 EFFECTS: dict[str, Callable[..., Effect]] = {
@@ -83,7 +82,7 @@ class Asked:
 
 
 def asked_effects(
-    args: argparse.Namespace, bridge: BridgeModel, vehicle: QuarterCar
+    args: argparse.Namespace, bridge: BridgeModel, vehicle: bc.Vehicle | bc.QuarterCar
 ) -> list[Asked]:
     """Return the effects of --effect, or the moment at --section."""
     if getattr(args, "effect", None) is None:  # which there may be no option for
@@ -114,7 +113,7 @@ def _elsewhere(bridge: BridgeModel) -> float:
 
 def _asked(
     name: str, option: str, elsewhere: str, effect: Effect, bridge: BridgeModel,
-    vehicle: QuarterCar,
+    vehicle: bc.Vehicle | bc.QuarterCar,
 ) -> Asked:  # fmt: skip
     """The effect of a crossing; errors tell the option that asks for it."""
     if isinstance(effect, AtSection):

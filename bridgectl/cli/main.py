@@ -19,6 +19,7 @@ from bridgectl._work import memory_advice
 from bridgectl.cli import options
 from bridgectl.cli.dae import DAE_HELP, add_dae_options, run_dae
 from bridgectl.cli.score import SCORE_HELP, add_score_options, run_score
+from bridgectl.cli.trucks import TRUCKS_HELP, add_trucks_options, run_trucks
 
 SEGMENT = 100.0
 """Segments of a road that get an IRI each [m]."""
@@ -32,6 +33,7 @@ crossing.
   bridgectl score     damper strategies, scored for a bridge: amplification, road wear, ride
   bridgectl dae       the dynamic amplification estimate (DAE) of a measured road
   bridgectl profile   roughness (IRI), spectrum and ISO 8608 class of a road file
+  bridgectl trucks    the catalog of trucks: axle loads, distances, natural frequencies
   bridgectl paper     every number of Li, OBrien and Gonzalez (2006) beside the computed one
   bridgectl validate  its Section 4 again: DAE against DAF on eight good roads and three spans;
                       with --dampers whether DAE orders dampers
@@ -187,6 +189,7 @@ def _parser() -> _Parser:
     options.add_file_options(profile)
     text = f"length over which IRIs are taken [m] (default {SEGMENT:g})"
     options.add_option(profile, "--segment", "M", text, options.as_number, SEGMENT)
+    add_trucks_options(command("trucks", run_trucks, "the catalog of trucks", TRUCKS_HELP))
     command("paper", _run_paper, "the paper's numbers", PAPER_HELP)
     validate = command("validate", _run_validate, "DAE against DAF on good roads", VALIDATE_HELP)
     options.add_validation_options(validate)

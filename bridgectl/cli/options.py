@@ -9,6 +9,7 @@ import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -151,14 +152,15 @@ def resumed(path: Path | None) -> Iterator[None]:
 
 
 def add_vehicle_options(parser: argparse.ArgumentParser) -> None:
-    """Add the parameters of the quarter-car."""
-    vehicle = parser.add_argument_group("quarter-car (default the paper's truck)")
+    """Add the truck by name or file, and the parameters of the quarter-car."""
+    vehicle = parser.add_argument_group("vehicle: any truck, or a quarter-car (the paper's)")
+    add_option(vehicle, "--truck", "T", "a name that 'bridgectl trucks' lists, or FILE.toml")
     truck = bc.li2006.car()
     units = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m"}
     for name in VEHICLE:
         unit, default = units[name.rpartition("_")[2]], getattr(truck, name)
         option, text = f"--{name.replace('_', '-')}", f"[{unit}] (default {default:g})"
-        add_option(vehicle, option, "X", text, as_number, default)
+        add_option(vehicle, option, "X", text, as_number)
 
 
 def add_output_options(parser: argparse.ArgumentParser) -> None:
@@ -167,9 +169,18 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object instead")
 
 
-def make_vehicle(args: argparse.Namespace) -> bc.QuarterCar:
-    """Make the quarter-car of the vehicle options."""
-    return bc.QuarterCar(*(getattr(args, name) for name in VEHICLE))
+def make_vehicle(args: argparse.Namespace) -> bc.Vehicle | bc.QuarterCar:
+    """Make the vehicle of --truck, or the quarter-car of the other options."""
+    told = {name: value for name in VEHICLE if (value := getattr(args, name)) is not None}
+    if args.truck is None:
+        return replace(bc.li2006.car(), **told)
+    if told:
+        option = f"--{next(iter(told)).replace('_', '-')}"
+        raise ValueError(f"--truck and {option} exclude each other: leave one out")
+    try:
+        return bc.trucks.load(args.truck)
+    except ValueError as error:
+        raise ValueError(f"--truck: {error}") from None
 
 
 def place_road(

@@ -6,7 +6,7 @@ import argparse
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -106,7 +106,7 @@ def run_score(args: argparse.Namespace) -> None:
     options.check_plot(args.plot)
     options.check_work(args)
     speeds = from_kmh(options.parse_speeds(args.speeds))
-    beam, vehicle = bridges.make_bridge(args), options.make_vehicle(args)
+    beam, vehicle = bridges.make_bridge(args), cast(Any, options.make_vehicle(args))
     (asked,) = asked_effects(args, beam, vehicle)
     dampers = _dampers(args, beam, vehicle)
     roads = _roads(args, beam.length)
@@ -128,7 +128,7 @@ def run_score(args: argparse.Namespace) -> None:
     options.deliver(args, board.plot, results, show)
 
 
-def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: bc.QuarterCar) -> list[Damper]:
+def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[Damper]:
     """The strategies that are asked for, each in a damper."""
     from bridgectl.dampers import Damper, library
 
@@ -136,7 +136,9 @@ def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: bc.QuarterCar
     c_max = check.positive("--c-max", args.c_max, unit="N s/m")
     if not c_min < c_max:
         raise ValueError(f"--c-min must be below --c-max, got {c_min:g} and {c_max:g} N s/m")
-    check.positive("--damping", vehicle.damping, unit="N s/m")
+    damping = vehicle.damping if isinstance(vehicle, bc.QuarterCar) else None
+    if damping is not None:
+        check.positive("--damping", damping, unit="N s/m")
     hardware = {
         "lag": check.not_negative("--lag", args.lag, unit="s"),
         "velocity_noise": check.not_negative("--velocity-noise", args.velocity_noise, unit="m/s"),
@@ -147,21 +149,22 @@ def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: bc.QuarterCar
         raise ValueError(f"--max-force must be above 0 [N], got {args.max_force:g}")
     sample_time = check.positive("--sample-time", args.sample_time, unit="s")
     own, *others = library(beam, vehicle, c_min, c_max, section=args.section)
-    constants = _constants(c_min, c_max, vehicle.damping)
+    constants = _constants(c_min, c_max, damping)
     return [
         Damper(strategy, sample_time, **({} if strategy.c_min == strategy.c_max else hardware))
         for strategy in [own, *_chosen(args.strategies, others, constants)]
     ]
 
 
-def _constants(c_min: float, c_max: float, own: float) -> list[Strategy]:
+def _constants(c_min: float, c_max: float, own: float | None) -> list[Strategy]:
     """Constant dampers over the range, of round values between its ends."""
     from bridgectl.dampers import passive
 
     rounded = [float(f"{c:.2g}") for c in np.geomspace(c_min, c_max, N_CONSTANT)]
     between = [c for c in rounded if c_min < c < c_max]
     found = {each.name: each for each in map(passive, [c_min, *between, c_max])}
-    found.pop(passive(own).name, None)
+    if own is not None:
+        found.pop(passive(own).name, None)
     return list(found.values())
 
 

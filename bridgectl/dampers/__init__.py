@@ -17,16 +17,19 @@ from bridgectl.dampers.laws import (
 from bridgectl.dampers.library import library
 from bridgectl.dampers.loop.closed_loop import simulate_loop
 from bridgectl.dampers.lqr import clipped_lqr
+from bridgectl.dampers.measured import measured
 from bridgectl.dampers.optimum.clairvoyant import clairvoyant
 from bridgectl.dampers.preset import preset
 from bridgectl.dampers.program import program
 from bridgectl.dampers.sensitivity import program_sensitivity
+from bridgectl.dampers.sensors import Sensors
 from bridgectl.dampers.strategy import SIGNALS, Strategy
 from bridgectl.dampers.tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
 
 __all__ = [
     "SIGNALS",
     "Damper",
+    "Sensors",
     "Strategy",
     "add",
     "bridgehook",
@@ -38,6 +41,7 @@ __all__ = [
     "groundhook",
     "hybrid",
     "library",
+    "measured",
     "passive",
     "pdd",
     "preset",

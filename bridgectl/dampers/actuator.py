@@ -1,4 +1,4 @@
-"""The damper that a strategy commands: range, force limit, lag, sampling and noise."""
+"""The damper that a strategy commands: range, force limit, lag, sampling and errors."""
 
 from __future__ import annotations
 
@@ -38,7 +38,15 @@ class Damper:
     velocity_noise : float, optional
         Standard deviation of white noise on the measured velocities [m/s].
     seed : int, optional
-        Seed of the noise.
+        Seed of the noise, and of the errors of position that are drawn.
+    position_error : float, optional
+        How far the position that the strategy is told is beyond the true one [m], as of an
+        odometer; that of a clairvoyant or constant damper does not matter.
+    position_deviation : float, optional
+        Standard deviation of a further such error [m]: each crossing has one, drawn once.
+    acceleration_noise, travel_noise : float, optional
+        Standard deviations of white noise on the measured accelerations [m/s^2] and on the
+        suspension travel [m].
 
     Raises
     ------
@@ -55,7 +63,8 @@ class Damper:
     >>> from bridgectl.dampers import Damper, skyhook
     >>> Damper(skyhook(1e3, 30e3), lag=0.01, max_force=15e3)
     Damper(Strategy('skyhook', c from 1000 to 30000 N s/m, dead_band=0.0001), sample_time=0.002 s, \
-lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
+lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0, \
+position_error=0 m, position_deviation=0 m, acceleration_noise=0 m/s^2, travel_noise=0 m)
     """
 
     strategy: Strategy
@@ -64,6 +73,10 @@ lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
     max_force: float = np.inf
     velocity_noise: float = 0.0
     seed: int = 0
+    position_error: float = 0.0
+    position_deviation: float = 0.0
+    acceleration_noise: float = 0.0
+    travel_noise: float = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.strategy, Strategy):
@@ -78,7 +91,19 @@ lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
             check.positive("max_force", limit, unit="N")
         check.not_negative("velocity_noise", self.velocity_noise, unit="m/s")
         check.integer("seed", self.seed, at_least=0)
+        check.number("position_error", self.position_error, unit="m")
+        check.not_negative("position_deviation", self.position_deviation, unit="m")
+        check.not_negative("acceleration_noise", self.acceleration_noise, unit="m/s^2")
+        check.not_negative("travel_noise", self.travel_noise, unit="m")
         judge_damper(self)
+
+    @property
+    def noisy(self) -> bool:
+        """Whether what is measured has random errors, other ones in each crossing."""
+        return any((
+            self.velocity_noise, self.acceleration_noise, self.travel_noise,
+            self.position_deviation,
+        ))  # fmt: skip
 
     @property
     def constant(self) -> float | None:
@@ -125,7 +150,10 @@ lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0)
         return (
             f"Damper({self.strategy!r}, sample_time={self.sample_time:g} s, lag={self.lag:g} s, "
             f"max_force={self.max_force:g} N, velocity_noise={self.velocity_noise:g} m/s, "
-            f"seed={self.seed})"
+            f"seed={self.seed}, position_error={self.position_error:g} m, "
+            f"position_deviation={self.position_deviation:g} m, "
+            f"acceleration_noise={self.acceleration_noise:g} m/s^2, "
+            f"travel_noise={self.travel_noise:g} m)"
         )
 
 

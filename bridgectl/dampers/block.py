@@ -10,7 +10,7 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.dampers.expression import at_sample
+from bridgectl.dampers.expression import at_sample, depends
 
 Strategy: TypeAlias = Any  # its module imports this one
 
@@ -29,7 +29,7 @@ MOTION = ("body_velocity", "axle_velocity", "suspension_travel", "suspension_vel
 """Inputs of every block."""
 
 SAMPLED = ("body_acceleration", "axle_acceleration")
-"""Signals that there are but for a controller that samples: see `law_block`."""
+"""Signals that a command may depend on but from one sample to the next: see `law_block`."""
 
 RATE_TIME = 1e-3
 """Time constant [s] of the rate of the tire force in a block: as late as a change over 2 ms."""
@@ -42,18 +42,21 @@ def law_block(
     velocity = check.positive("speed", speed, unit="m/s")
     lag = check.positive("rate_time", rate_time, unit="s")
     time = check.positive("sample_time", sample_time, unit="s")
-    used = set(law.used)
-    if loops := [name for name in SAMPLED if name in used]:
+    used, gains = set(law.used), np.reshape([*law.gains.values()], (-1, 1))
+    at_once = depends(law.function, signals, gains[:, 0].tolist(), at_once=True)
+    if loops := [name for name in SAMPLED if name in at_once]:
         raise ValueError(
             f"{law.name} measures {' and '.join(loops)}, which the damper force changes at "
             "once: it has no block without delay, simulate it with a sample time by "
             "daf(..., damper=Damper(law, sample_time=2e-3)) or simulate_loop"
         )
-    measured = [*MOTION, *(["tire_force"] if used & {"tire_force", "tire_force_rate"} else [])]
+    measured = [*MOTION, *(name for name in SAMPLED if name in used)]
+    of_tire = len(measured) if used & {"tire_force", "tire_force_rate"} else None
+    measured += [] if of_tire is None else ["tire_force"]
     lagged = ["lagged_tire_force"] if "tire_force_rate" in used else []
     places = [signals.index(name) for name in (*measured, "position", "speed")]
     rate, row = MOTION.index("suspension_velocity"), np.zeros((len(signals), 1))
-    gains, n, most = np.reshape([*law.gains.values()], (-1, 1)), len(lagged), len(measured)
+    n, most = len(lagged), len(measured)
 
     def sampled(t: float, x: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
         row[places, 0] = *u[:most], velocity * t, velocity
@@ -64,7 +67,7 @@ def law_block(
         return c, after[:, 0]
 
     def tire_rate(x: FloatArray, u: FloatArray) -> FloatArray:
-        return (u[len(MOTION) : most] - x[:n]) / lag
+        return (u[of_tire:most] - x[:n]) / lag if lagged else u[:0]
 
     def update(t: float, x: FloatArray, u: FloatArray, p: dict[str, Any]) -> FloatArray:
         moved = sampled(t, x, u)[1] if law.states else x[n:]
@@ -76,7 +79,7 @@ def law_block(
         except ValueError:
             # No output of another system is known when all are asked for theirs at first, and
             # only then is a tire force 0 without any motion.
-            if most == len(MOTION) or u.any():
+            if of_tire is None or u.any():
                 raise
             c = law.c_min
         return np.array([c * u[rate], c])

@@ -16,11 +16,16 @@ pass through the crossing's own transition matrices::
 
     sigma(t) = lambda(t)' B_F,   lambda' = -A' lambda,   lambda(t*)' = row of M
 
-Elsewhere the damper is passive. Either needs position and speed, and no preview of the road.
+Elsewhere the damper is passive. Either needs position and speed, and no preview of the road. Of a
+position that is known to a standard deviation d alone, the mean counts, that of the sigmas of all
+places where the tire may be::
+
+    sigma(x) = E[sigma(x + d n)],  n normal with mean 0 and deviation 1
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
@@ -29,6 +34,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import ndtr
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
@@ -50,6 +56,9 @@ KNOTS = 16
 PLACES = 32
 """Places where sigma may change its sign come in multiples of this; see `_costate_law`."""
 
+BEYOND = 3
+"""Deviations of its position behind the end of the bridge up to which a force may be of worth."""
+
 FAR = 1e9
 """A place [m] that no vehicle comes to."""
 
@@ -61,7 +70,7 @@ class Bridgehook(Strategy):
     >>> from bridgectl.dampers import bridgehook
     >>> bridgehook(bc.li2006.beam(), bc.li2006.car(), 1e3, 30e3)
     Bridgehook('bridgehook', c from 1000 to 30000 N s/m, for a bridge of 25 m, feedback=True, \
-lag=0 s)
+lag=0 s, position_deviation=0 m)
     """
 
     def __init__(
@@ -75,6 +84,7 @@ lag=0 s)
         effect: Effect | str = "moment",
         feedback: bool = True,
         lag: float = 0.0,
+        position_deviation: float = 0.0,
     ) -> None:
         # The crossing checks beam, vehicle and effect.
         self.effect = make_crossing(beam, bare_vehicle(vehicle), effect, section).effect
@@ -82,13 +92,17 @@ lag=0 s)
             raise TypeError(f"feedback must be True or False, got {feedback!r}")
         self.beam, self.vehicle, self.feedback = beam, vehicle, bool(feedback)
         self.lag = check.not_negative("lag", lag, unit="s")
+        self.position_deviation = check.not_negative(
+            "position_deviation", position_deviation, unit="m"
+        )
         self.laws: dict[float, Strategy] = {}
         super().__init__("bridgehook", self._untold, c_min, c_max)
 
     def __repr__(self) -> str:
         return (
             f"Bridgehook({self.name!r}, c from {self.c_min:g} to {self.c_max:g} N s/m, for a "
-            f"bridge of {self.beam.length:g} m, feedback={self.feedback}, lag={self.lag:g} s)"
+            f"bridge of {self.beam.length:g} m, feedback={self.feedback}, lag={self.lag:g} s, "
+            f"position_deviation={self.position_deviation:g} m)"
         )
 
     @staticmethod
@@ -106,9 +120,10 @@ lag=0 s)
     def _made(self, speed: float) -> Strategy:
         case = self.beam, self.vehicle, speed
         if not self.feedback:
-            return _costate_law(costate(*case, effect=self.effect), self)
-        bounds = self.c_min, self.c_max
-        return _feedback_law(peak_value(*case, *bounds, effect=self.effect, reach=REACH), self)
+            simple = costate(*case, effect=self.effect)
+            return _costate_law(Costate(*_blurred(simple, self.position_deviation)), self)
+        found = peak_value(*case, self.c_min, self.c_max, effect=self.effect, reach=REACH)
+        return _feedback_law(PeakValue(*_blurred(found, self.position_deviation)), self)
 
     def command(self, **signals: ArrayLike) -> FloatArray:
         """Evaluate the command [N s/m] at one speed, one of the signals: see `Strategy.command`."""
@@ -141,6 +156,7 @@ def bridgehook(
     effect: Effect | str = "moment",
     feedback: bool = True,
     lag: float = 0.0,
+    position_deviation: float = 0.0,
 ) -> Bridgehook:
     """Return the damper that works against the bending moment of a bridge.
 
@@ -164,6 +180,9 @@ def bridgehook(
     lag : float, optional
         Time [s] by which the damper is late, as its `Damper.lag`: position and velocities are
         taken that much later, as c t and by the accelerations, which then are measured too.
+    position_deviation : float, optional
+        Standard deviation of the error of its position [m], as of its `Damper`. It then asks what a
+        force is worth in the mean over the places where the tire may be.
 
     Returns
     -------
@@ -191,6 +210,17 @@ def bridgehook(
     RMS velocities. The rougher the road, the more the suspension moves and the more there is to
     use; on a smooth road no damper does anything.
 
+    Told of places some way before or behind the true ones, it loses its gain. Made for that, by
+    `position_deviation`, it gives up some of the gain for a smaller loss; a metre is a quarter to a
+    third of the way that the truck goes in an axle hop. Changes of the mean DAF from passive at 70,
+    90 and 108 km/h, 120 roads of class A and of class B, errors of either sign::
+
+        deviation      0 m             0.3 m           1 m             3 m
+        no error      -0.078 -0.118   -0.078 -0.118   -0.070 -0.107   -0.043 -0.056
+        0.3 m         -0.073 -0.109   -0.073 -0.110   -0.067 -0.103   -0.042 -0.055
+        1 m           -0.037 -0.052   -0.037 -0.056   -0.044 -0.076   -0.038 -0.056
+        3 m           +0.019 +0.038   +0.019 +0.035   +0.009 +0.005   -0.015 -0.042
+
     Examples
     --------
     >>> import bridgectl as bc
@@ -200,8 +230,22 @@ def bridgehook(
     array([ 7000., 30000.,  7000.])
     """
     return Bridgehook(
-        beam, vehicle, c_min, c_max, section, effect=effect, feedback=feedback, lag=lag
-    )
+        beam, vehicle, c_min, c_max, section, effect=effect, feedback=feedback, lag=lag,
+        position_deviation=position_deviation,
+    )  # fmt: skip
+
+
+def _blurred(found: Sequence[FloatArray], deviation: float) -> Sequence[FloatArray]:
+    """Places, and what is straight between them and 0 beyond, in its mean about each place."""
+    if deviation == 0:
+        return found
+    x, values = found[0], np.pad(found[1:], ((0, 0), (0, 1)))
+    places = np.append(x, 2 * x[-1] - x[-2])
+    bends = np.diff(np.diff(values) / np.diff(places), prepend=0.0, append=0.0)
+    told = np.append(x, x[-1] + deviation * np.linspace(0.1, BEYOND, 10 * BEYOND))
+    z = (told - places[:, np.newaxis]) / deviation
+    rises = deviation * (z * ndtr(z) + np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi))
+    return [told, *(values[:, :1] + bends @ rises)]
 
 
 def _feedback_law(found: PeakValue, owner: Bridgehook) -> Strategy:

@@ -143,10 +143,14 @@ def numbers(what: str, found: FloatArray) -> FloatArray:
     return found
 
 
-def depends(function: ca.Function, signals: Sequence[str], gains: Sequence[float]) -> list[str]:
-    """Signals that a law, or the update of its states, depends on with gains as they are."""
+def depends(
+    function: ca.Function, signals: Sequence[str], gains: Sequence[float], *, at_once: bool = False
+) -> list[str]:
+    """Signals that a law depends on with gains as they are, by its states or only at once."""
     s, _, *others = function.sx_in()
-    outputs = ca.vertcat(*function.call([s, ca.SX(ca.DM(gains)), *others]))
+    outputs = ca.vertcat(
+        *function.call([s, ca.SX(ca.DM(gains)), *others])[: 1 if at_once else None]
+    )
     return [
         name
         for name, matters in zip(signals, ca.which_depends(outputs, s, 1, False), strict=True)

@@ -315,17 +315,17 @@ class Strategy:
         -------
         control.NonlinearIOSystem
             Inputs as the crossing's outputs ('y_s_dot', 'suspension_velocity', ..., 'tire_force' if
-            the law measures it or its rate), and 'ahead_1', ... [m] as `preview` has them; outputs
-            'damper_force' [N] and 'damping' [N s/m], evaluated without delay. The crossing's own
-            vehicle must have damping 0. The block is called as the strategy is, with '_' for '.',
-            which no system may have in its name.
+            the law measures it or its rate, accelerations if its states take them), and 'ahead_1',
+            ... [m] as `preview` has them; outputs 'damper_force' [N] and 'damping' [N s/m],
+            evaluated without delay. The crossing's own vehicle must have damping 0. The block is
+            called as the strategy is, with '_' for '.', which no system may have in its name.
 
         Raises
         ------
         TypeError, ValueError
-            If `speed` is not above 0 m/s or a time not above 0 s, or the law measures an
-            acceleration, which the damper force changes at once: that needs a sample time, as
-            `simulate_loop` has it.
+            If `speed` is not above 0 m/s or a time not above 0 s, or the command depends at once on
+            an acceleration, which the damper force changes at once: that needs a sample time, as
+            `simulate_loop` has it, or a delay as of `measured`.
 
         Examples
         --------

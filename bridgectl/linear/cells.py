@@ -107,6 +107,11 @@ class Cells:
         return self.free.shape[-1]
 
     @property
+    def size(self) -> int:
+        """Memory of the maps [bytes]."""
+        return self.gains.nbytes + self.to_stages.nbytes + self.free.nbytes
+
+    @property
     def inputs(self) -> FloatArray:
         """States at the end from the stage values, (S, M, n, 2 q)."""
         return self.gains[:, :, : self.n_states]

@@ -151,15 +151,10 @@ def envelope_of(
         warn_of_flight(found.flight)
     x, bridge = sample_positions(found.nodes), crossing.beam
     static = np.stack([e.static_values(bridge, crossing.linear, x) for e in effects], axis=1)
-    largest, largest_at = _extremes(found.nodes, found.histories(crossing, effects), 1)
-    smallest, smallest_at = _extremes(found.nodes, found.histories(crossing, effects), -1)
+    every = np.ones(len(effects))
+    highest, lowest = (found.peaks(crossing, speed, effects, sign * every) for sign in (1, -1))
     return Envelope(
-        quantity, effects[0].unit, speed, bridge, places, largest, smallest, largest_at,
-        smallest_at, _extremes(found.nodes, static, 1)[0], _extremes(found.nodes, static, -1)[0],
+        quantity, effects[0].unit, speed, bridge, places, highest.values, -lowest.values,
+        highest.positions(found.nodes), lowest.positions(found.nodes),
+        find_peaks(static).values, -find_peaks(-static).values,
     )  # fmt: skip
-
-
-def _extremes(nodes: FloatArray, histories: FloatArray, sign: int) -> tuple[FloatArray, FloatArray]:
-    """Largest values, or smallest of sign -1, and where the vehicle is then."""
-    peaks = find_peaks(sign * histories)
-    return sign * peaks.values, peaks.positions(nodes)

@@ -17,6 +17,13 @@ MAX_WIDTH = 0.1
 MAX_VEHICLE_PHASE = 0.4
 MAX_BEAM_PHASE = 1.7
 
+MOVING = 1e-3
+"""Share of its largest value above which a mode's shape moves an end of the bridge. A tire comes on
+with a blow there, and the mode rings on: its phase is off when cells do not follow it."""
+
+BLOW = 2.0
+"""How many times as fast such a mode counts."""
+
 
 def kink_positions(
     crossing: Crossing, start: float, end: float, stations: FloatArray
@@ -43,13 +50,30 @@ def cell_width(vehicle: float, beam: float, speed: float) -> float:
     return min(MAX_WIDTH, speed / max(phases))
 
 
-def cell_nodes(crossing: Crossing, speed: float, kinks: FloatArray, refine: int = 1) -> FloatArray:
+def followed(crossing: Crossing, *, wide: bool) -> float:
+    """Fastest mode that cells follow [rad/s]: wide ones follow what the tires feel."""
+    beam = crossing.beam
+    shapes = np.abs(beam.mode_shapes(np.linspace(0.0, beam.length, 101)))
+    largest = shapes.max(axis=0)
+    moving = np.maximum(shapes[0], shapes[-1]) > MOVING * largest
+    yields = crossing.linear.tire_stiffnesses.max() * largest**2
+    felt = yields > crossing.negligible * beam.modal_masses * beam.omega**2
+    if not wide:
+        felt[:] = True
+    fastest = np.where(moving, BLOW, 1.0) * beam.omega
+    return float(fastest[felt | moving].max(initial=beam.omega.min()))
+
+
+def cell_nodes(
+    crossing: Crossing, speed: float, kinks: FloatArray, refine: int = 1, *, wide: bool = False
+) -> FloatArray:
     """Place the nodes of the cells: at the kinks, and between them where cells are too long.
 
     Cells are short enough for the fastest motions at `speed`, the slowest of a batch;
-    `refine` cuts each into as many again. Before the bridge no mode moves.
+    `refine` cuts each into as many again; `wide` ones follow what the tires feel alone. Before the
+    bridge no mode moves.
     """
-    fastest, highest = fastest_motion(crossing), float(crossing.beam.omega.max())
+    fastest, highest = fastest_motion(crossing), followed(crossing, wide=wide)
     on_bridge = cell_width(fastest, highest, speed)
     width = np.where(kinks[1:] < SAME_PLACE, cell_width(fastest, 0.0, speed), on_bridge)
     pieces = refine * np.ceil(np.diff(kinks) / width - SAME_PLACE)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import SAMPLES
@@ -14,6 +16,10 @@ _FINE = np.linspace(0.0, 1.0, 33)
 _KNOTS = np.append(SAMPLES, 1.0)
 # Values on the fine grid of the polynomial through a cell's samples and its end.
 _TO_FINE = np.vander(_FINE, len(_KNOTS)) @ np.linalg.inv(np.vander(_KNOTS))
+
+
+WAVES = 3.0
+"""Margins of histories below the largest sample that cells count in whose samples miss waves."""
 
 
 class Peaks(NamedTuple):
@@ -30,14 +36,72 @@ class Peaks(NamedTuple):
         )
 
 
-def find_peaks(histories: FloatArray) -> Peaks:
+class Between(Protocol):
+    """Samples of histories in between: `pieces` cells in the place of each."""
+
+    @property
+    def pieces(self) -> int:
+        """How many; 1 where histories are smooth in each cell."""
+
+    def __call__(self, cells: NDArray[np.intp], columns: NDArray[np.intp]) -> Iterator[FloatArray]:
+        """Samples (6 pieces + 1, some) of cells of some columns, a part of them after the other."""
+
+
+def find_peaks(histories: FloatArray, between: Between | None = None) -> Peaks:
     """Find the largest value of each history, (6 n_cells + 1, n_histories), between samples too.
 
     They are values at `bridgectl.linear.cells.sample_positions`. A history may have kinks at the
-    nodes and is smooth within a cell, where the polynomial through its seven samples stands for it.
+    nodes and is smooth within a cell, where the polynomial through its seven samples stands for it;
+    or `between` tells what is between.
     """
+    fine = between is not None and between.pieces > 1
     # Within the margin of the largest sample another cell may hold the peak.
-    enough = histories.max(axis=0) - margins(histories)
+    room = (WAVES if fine else 1.0) * margins(histories)
+    cells, columns = candidates(histories, histories.max(axis=0) - room)
+    if between is not None and fine:
+        columns, cells = np.unique([columns, cells], axis=1)
+        values, fractions = _fine_peaks(between, cells, columns)
+    else:
+        around = histories[_PER_CELL * cells + np.arange(_PER_CELL + 1)[:, np.newaxis], columns]
+        values, fractions = _polynomial_peaks(around)
+    best = _best(values, columns, histories.shape[1])
+    return Peaks(values[best], cells[best], fractions[best])
+
+
+def highest(windows: Sequence[tuple[int, FloatArray]], between: Between) -> FloatArray:
+    """Largest values of histories that are known in windows: cells from a first one on."""
+    tops, rooms = (
+        np.max([of(histories) for _, histories in windows], axis=0)
+        for of in (lambda histories: histories.max(axis=0), margins)
+    )
+    found = []
+    for first, histories in windows:
+        cells, columns = candidates(histories, tops - WAVES * rooms)
+        found.append(np.unique([columns, cells + first], axis=1))
+    columns, cells = np.unique(np.concatenate(found, axis=1), axis=1)
+    values, _ = _fine_peaks(between, cells, columns)
+    return values[_best(values, columns, len(tops))]
+
+
+def _best(values: FloatArray, columns: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """Which of the values is the largest of each column."""
+    order = np.lexsort((values, columns))
+    return order[np.searchsorted(columns[order], np.arange(count), side="right") - 1]
+
+
+def _fine_peaks(
+    between: Between, cells: NDArray[np.intp], columns: NDArray[np.intp]
+) -> tuple[FloatArray, FloatArray]:
+    """Peaks of cells, and by where in each, from what is between its samples."""
+    found = [find_peaks(samples) for samples in between(cells, columns)]
+    values, pieces, fractions = (np.concatenate(of) for of in zip(*found, strict=True))
+    return values, (pieces + fractions) / between.pieces
+
+
+def candidates(
+    histories: FloatArray, enough: FloatArray
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Cells that have enough to hold the peak of a history, and its column."""
     # Few samples come near any history's peak: look for those of each history among them.
     high = np.nonzero(histories.max(axis=1) >= enough.min())[0]
     samples, columns = np.nonzero(histories[high] >= enough)
@@ -49,13 +113,7 @@ def find_peaks(histories: FloatArray) -> Peaks:
     cells = np.concatenate([cells, cells[at_node] - 1])
     columns = np.concatenate([columns, columns[at_node]])
     inside = (cells >= 0) & (cells < n_cells)
-    cells, columns = cells[inside], columns[inside]
-
-    around = histories[_PER_CELL * cells + np.arange(_PER_CELL + 1)[:, np.newaxis], columns]
-    values, fractions = _polynomial_peaks(around)
-    order = np.lexsort((values, columns))
-    best = order[np.searchsorted(columns[order], np.arange(histories.shape[1]), side="right") - 1]
-    return Peaks(values[best], cells[best], fractions[best])
+    return cells[inside], columns[inside]
 
 
 def raise_peaks(best: FloatArray, histories: FloatArray) -> None:

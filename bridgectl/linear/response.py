@@ -17,6 +17,7 @@ from bridgectl._units import to_kmh
 from bridgectl.linear import reference, runs
 from bridgectl.linear.cells import SAMPLES, bridge_entry, sample_positions
 from bridgectl.linear.estimates import require_crossing
+from bridgectl.linear.fine import Refinement, pieces_of
 from bridgectl.linear.lift_off import fly, warn_of_flight, warn_of_flights
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.model.motion import Motion
@@ -116,9 +117,16 @@ def linear_dafs(
     if method == "propagator":
         batches = list(runs.speed_batches(run, speeds))
         for batch in track(batches, "Simulating crossings", len(batches), show=progress):
-            stretches = runs.propagate(run, speeds[batch], run.nodes(speeds[batch].min()))
-            samples = runs.effect_samples(crossing, stretches[-1])
-            result[batch] = find_peaks(samples.T).values
+            nodes = run.nodes(speeds[batch].min(), wide=True)
+            stretches = runs.propagate(run, speeds[batch], nodes)
+            bridge = stretches[-1]
+            samples = runs.effect_samples(crossing, bridge)
+            nodes, forces = bridge.cells.nodes, runs.node_forces(crossing, bridge)
+            between = Refinement(
+                crossing, speeds[batch], nodes, bridge.states, bridge.forces, forces,
+                pieces_of(crossing, speeds[batch].min(), nodes) if run.plain else 1,
+            )  # fmt: skip
+            result[batch] = find_peaks(samples.T, between).values
             linear[batch] = ~runs.lifts_off(crossing, stretches)
     simulate = _flying_peak if run.plain and method == "propagator" else _reference_peak
     flights = {}

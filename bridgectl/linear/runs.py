@@ -62,9 +62,10 @@ class Run(NamedTuple):
         inside = (changes > self.start) & (changes < self.end)
         return merge_places(np.append(kinks, changes[inside]))
 
-    def nodes(self, slowest: float, refine: int = 1) -> FloatArray:
+    def nodes(self, slowest: float, refine: int = 1, *, wide: bool = False) -> FloatArray:
         """Nodes of the cells: see `cell_nodes`."""
-        return cell_nodes(self.crossing, self.slowest(slowest), self.kinks(), refine)
+        slowest, wide = self.slowest(slowest), wide and self.plain
+        return cell_nodes(self.crossing, slowest, self.kinks(), refine, wide=wide)
 
     def road(self, x: FloatArray) -> FloatArray:
         """Road r under each tire for the reference tire at x, positive downward [m]."""
@@ -205,7 +206,7 @@ def moving(run: Run, motion: Motion) -> Run:
 def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> Iterator[slice]:
     """Slices of the speeds whose maps fit in memory together."""
     stages = 2 * N_STAGES * run.crossing.linear.n_tires
-    nodes, n = run.nodes(float(speeds.min())), run.crossing.n_states
+    nodes, n = run.nodes(float(speeds.min()), wide=True), run.crossing.n_states
     # Before the bridge cells share their maps.
     cells = len(nodes) - bridge_entry(nodes)
     bytes_per_speed = 8 * cells * stages * (4 * n + stages)
@@ -320,7 +321,7 @@ def linear_contact(run: Run, speeds: FloatArray) -> NDArray[np.bool_]:
     """At which speeds every tire stays on the road throughout, shape (S,)."""
     contact = np.empty(len(speeds), dtype=bool)
     for batch in speed_batches(run, speeds):
-        nodes = run.nodes(float(speeds[batch].min()))
+        nodes = run.nodes(float(speeds[batch].min()), wide=True)
         contact[batch] = ~lifts_off(run.crossing, propagate(run, speeds[batch], nodes))
     return contact
 

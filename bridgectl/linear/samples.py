@@ -25,10 +25,12 @@ from bridgectl.linear.cells import (
     sample_positions,
 )
 from bridgectl.linear.estimates import require_crossing
+from bridgectl.linear.fine import Refinement, pieces_of
 from bridgectl.linear.lift_off import fly, warn_of_flights
 from bridgectl.linear.modes import mode_responses
+from bridgectl.linear.nodes import followed
 from bridgectl.linear.pace import Pace, responses
-from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.peaks import Peaks, find_peaks
 from bridgectl.linear.reference import contact_forces, simulate_reference
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import (
@@ -44,10 +46,13 @@ from bridgectl.linear.runs import (
 )
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing
-from bridgectl.model.effect import Effect
+from bridgectl.model.effect import Effect, EffectRows
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
+
+AT_STAGES = np.searchsorted(SAMPLES, GAUSS)
+"""The stages among the samples of a cell."""
 
 
 class Samples(NamedTuple):
@@ -63,6 +68,8 @@ class Samples(NamedTuple):
     """Tire forces, shape (n_tires, m)."""
     flight: float | None = None
     """Where a tire first leaves the road [m]."""
+    slowest: float = np.inf
+    """The slowest speed [m/s] that cells were made for, that of the crossing or less."""
     places: FloatArray | None = None
     """Places of the samples [m], (m,), if they are not the `sample_positions`."""
     accelerations: FloatArray | float = 0.0
@@ -75,6 +82,29 @@ class Samples(NamedTuple):
         read = crossing.beam, crossing.linear, tires, self.states, self.forces
         each = [effect.history(*read, accelerations=self.accelerations) for effect in effects]
         return np.stack(each, axis=1)
+
+    def peaks(
+        self, crossing: Crossing, speed: float, effects: Sequence[Effect], factors: FloatArray
+    ) -> Peaks:
+        """Largest values of effects times factors at a speed [m/s], one of each."""
+        histories = self.histories(crossing, effects) * factors
+        if self.places is not None:  # such cells follow every mode
+            return find_peaks(histories)
+        per_cell = len(SAMPLES)
+        states = self.states.T[np.newaxis, ::per_cell]
+        forces = self.forces[:, :-1].T.reshape(len(self.nodes) - 1, per_cell, -1)[:, AT_STAGES]
+        known = states, forces.reshape(1, len(forces), -1), self.forces.T[np.newaxis, ::per_cell]
+        found = []
+        for effect, factor, history in zip(effects, factors, histories.T, strict=True):
+
+            def rows(x: FloatArray, of: Effect = effect, by: float = factor) -> EffectRows:
+                tires = crossing.tire_positions(x)
+                return of.rows(crossing.beam, crossing.linear, tires).scaled(by)
+
+            pieces = pieces_of(crossing, min(speed, self.slowest), self.nodes, rows)
+            between = Refinement(crossing, np.array([speed]), self.nodes, *known, pieces, rows)
+            found.append(find_peaks(history[:, np.newaxis], between))
+        return Peaks(*(np.concatenate(of) for of in zip(*found, strict=True)))
 
 
 def crossings_of(
@@ -110,16 +140,32 @@ def dafs_of_effects(
     effects = [crossing.effect for crossing in crossings]
     run = run._replace(crossing=with_nodes_of(crossings[0], effects))
     require_crossing(run, speeds)
+    alike = [_cells_of(run, crossing) for crossing in crossings]
+    if len(set(alike)) > 1:
+        result = np.empty((len(effects), speeds.size))
+        for cells in dict.fromkeys(alike):
+            own = [i for i, each in enumerate(alike) if each == cells]
+            group = [crossings[i] for i in own]
+            result[own] = dafs_of_effects(run, group, speeds, method, progress)
+        return result
     scales = np.array([crossing.scale for crossing in crossings])
     orientations = np.array([crossing.orientation for crossing in crossings])
     result, flights = np.empty((len(effects), speeds.size)), {}
     for i, found in sampled(run, speeds, method, progress):
-        peaks = find_peaks(found.histories(run.crossing, effects) / scales)
+        peaks = found.peaks(run.crossing, float(speeds[i]), effects, 1 / scales)
         result[:, i] = orientations * peaks.values
         if found.flight is not None:
             flights[float(speeds[i])] = found.flight
     warn_of_flights(flights, speeds.size)
     return result
+
+
+def _cells_of(run: Run, crossing: Crossing) -> tuple[float, ...]:
+    """What cells depend on that do not follow every mode: they do where none is the same."""
+    wide = followed(crossing, wide=True)
+    if wide == followed(crossing, wide=False):
+        return ()
+    return wide, *run._replace(crossing=crossing).kinks().tolist()
 
 
 def dafs_of_motions(
@@ -146,12 +192,14 @@ def sampled(
     if method == "propagator":
         batches = list(speed_batches(run, speeds))
         for batch in track(batches, "Simulating crossings", len(batches), show=progress):
-            stretches = propagate(run, speeds[batch], run.nodes(speeds[batch].min()))
+            nodes = run.nodes(speeds[batch].min(), wide=True)
+            stretches = propagate(run, speeds[batch], nodes)
             linear[batch] = ~lifts_off(run.crossing, stretches)
             states, forces = bridge_samples(run.crossing, speeds[batch], stretches[-1])
             nodes = stretches[-1].cells.nodes
             for i in np.flatnonzero(linear[batch]):
-                yield int(batch.start + i), _samples(run, nodes, states[i].T, forces[i].T)
+                own = _samples(run, nodes, states[i].T, forces[i].T)
+                yield int(batch.start + i), own._replace(slowest=speeds[batch].min())
     simulate = _flying if run.plain and method == "propagator" else _reference
     flying = np.flatnonzero(~linear)
     for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
@@ -226,7 +274,7 @@ def _samples(
         if run.motion is not None:
             a = connected(a[:-1].reshape(cells.shape), a[:-1][:: len(SAMPLES)])
         nodes = np.repeat(nodes, 2)[1:-1]
-    return Samples(nodes, states, forces, flight, places, a)
+    return Samples(nodes, states, forces, flight, places=places, accelerations=a)
 
 
 def _flying(run: Run, speed: float) -> Samples:

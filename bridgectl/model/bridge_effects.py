@@ -272,6 +272,7 @@ class Shear(_Told):
     quantity: ClassVar[str] = "shear"
     unit: ClassVar[str] = "N"
     label: ClassVar[str] = "shear force"
+    negligible: ClassVar[float] = 3e-6
 
     def _jumps(self, bridge: BridgeModel) -> FloatArray:
         return np.array([self.section(bridge) * bridge.length])
@@ -306,6 +307,7 @@ class Reaction(_Told):
     quantity: ClassVar[str] = "reaction"
     unit: ClassVar[str] = "N"
     label: ClassVar[str] = "support reaction"
+    negligible: ClassVar[float] = 3e-6
 
     def _jumps(self, bridge: BridgeModel) -> FloatArray:
         place = self.section(bridge) * bridge.length
@@ -381,6 +383,7 @@ class BridgeAcceleration(AtSection):
     has_static: ClassVar[bool] = False
     unit: ClassVar[str] = "m/s^2"
     label: ClassVar[str] = "acceleration of the bridge"
+    negligible: ClassVar[float] = 0.0  # it is the fastest modes that it shows
 
     def _rows(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> EffectRows:
         shape = bridge.mode_shapes(self.section(bridge) * bridge.length)

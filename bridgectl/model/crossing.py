@@ -124,6 +124,11 @@ class Crossing(Equations):
         places += [effect.kinks(self.beam) for effect in self._named.values()]
         return np.unique(np.concatenate(places))
 
+    @property
+    def negligible(self) -> float:
+        """What modes may yield that cells do not follow: see `Effect`."""
+        return min(effect.negligible for effect in (self.effect, *self._named.values()))
+
     @cached_property
     def static_peak(self) -> float:
         """Largest or smallest static effect as the vehicle creeps across, in its unit; 0 if none.

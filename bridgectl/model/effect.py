@@ -47,6 +47,9 @@ class Effect(ABC):
     sense: str = field(default="largest", kw_only=True)
     has_static: ClassVar[bool] = True
     """Whether static loads give it any value."""
+    negligible: ClassVar[float] = 3e-5
+    """Cells need not follow modes that yield less than this share of what a tire does: they hardly
+    act back on it, nor does a peak show it by more than 1e-6."""
     unit: ClassVar[str]
     label: ClassVar[str]
 

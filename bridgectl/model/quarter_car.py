@@ -181,6 +181,8 @@ def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -
             f"offsets must be distances behind the first vehicle, 0 m or more, got {offsets}: "
             f"type {(behind - behind.min()).tolist()}, or the vehicles in the order they drive in"
         )
+    places = [car.body_places + offset for car, offset in zip(members, behind, strict=True)]
+    ends = block_diag(*(car.body_map.reshape(-1, car.n_coordinates) for car in members))
     return Vehicle(
         mass_matrix=block_diag(*(car.mass_matrix for car in members)),
         damping_matrix=block_diag(*(car.damping_matrix for car in members)),
@@ -192,6 +194,8 @@ def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -
         tire_map=block_diag(*(car.tire_map for car in members)),
         damper_map=block_diag(*(car.damper_map for car in members)),
         heave=np.concatenate([car.heave for car in members]),
+        body_places=np.concatenate(places),
+        body_map=ends.reshape(-1, 2, ends.shape[1]),
         coordinates=[
             f"{name}_{i}" for i, car in enumerate(members, start=1) for name in car.coordinates
         ],

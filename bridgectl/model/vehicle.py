@@ -64,6 +64,9 @@ class Vehicle:
         the place of. Default: zeros.
     damper_names : sequence of str, optional
         Names of the dampers. Default: '1', '2', ...
+    body_places, body_map : array_like, shapes (n_bodies, 2) and (n_bodies, 2, n), optional
+        Front and rear end of each body behind the reference tire [m], and, dimensionless as T,
+        their displacements: what figures draw. Default: none; they draw a box at each tire.
     heave : array_like, shape (n,), optional
         Coordinates when the whole vehicle moves down by 1 [m]: 1 for a translation (default),
         0 for a rotation. Gravity acts along it.
@@ -95,12 +98,9 @@ class Vehicle:
     >>> legs = np.array([[1, -a, -1, 0], [1, b, 0, -1]])     # travel of the two suspensions
     >>> car = bc.Vehicle(
     ...     mass_matrix=np.diag([12000, 20000, 700, 900]),
-    ...     damping_matrix=c * legs.T @ legs,
-    ...     stiffness_matrix=k * legs.T @ legs,
-    ...     tire_stiffnesses=[1.8e6, 3.6e6],
-    ...     tire_offsets=[0, a + b],
-    ...     damper_map=legs,
-    ...     heave=[1, 0, 1, 1],
+    ...     damping_matrix=c * legs.T @ legs, stiffness_matrix=k * legs.T @ legs,
+    ...     tire_stiffnesses=[1.8e6, 3.6e6], tire_offsets=[0, a + b],
+    ...     damper_map=legs, heave=[1, 0, 1, 1],
     ... )
     >>> car.static_loads.round()
     array([80442., 52974.])
@@ -113,6 +113,8 @@ class Vehicle:
     tire_offsets: FloatArray
     tire_map: FloatArray
     damper_map: FloatArray
+    body_places: FloatArray
+    body_map: FloatArray
     heave: FloatArray
     coordinates: tuple[str, ...]
     damper_axles: FloatArray
@@ -135,6 +137,8 @@ class Vehicle:
         tire_damping: ArrayLike = 0.0,
         damper_axles: ArrayLike | None = None,
         damper_dampings: ArrayLike | None = None,
+        body_places: ArrayLike | None = None,
+        body_map: ArrayLike | None = None,
         damper_names: Sequence[str] | None = None,
         pitch_input: ArrayLike | None = None,
     ) -> None:
@@ -149,6 +153,8 @@ class Vehicle:
             return _checks.array(name, default if value is None else value, shape)
 
         hubs = given("tire_map", tire_map, last, (n_tires, n))
+        bodies = given("body_places", body_places, np.zeros((0, 2)), (None, 2))
+        ends = (*bodies.shape, n)
         dampers = given("damper_map", damper_map, np.zeros((0, n)), (None, n))
         count = len(dampers)
         values: dict[str, FloatArray | tuple[str, ...]] = {
@@ -157,6 +163,8 @@ class Vehicle:
             "stiffness_matrix": _checks.array("stiffness_matrix", stiffness_matrix, (n, n)),
             "tire_stiffnesses": tires,
             "tire_offsets": given("tire_offsets", tire_offsets, np.zeros(n_tires), (n_tires,)),
+            "body_places": bodies,
+            "body_map": given("body_map", body_map, np.zeros(ends), ends),
             "tire_map": hubs,
             "damper_map": dampers,
             "heave": given("heave", heave, np.ones(n), (n,)),
@@ -203,10 +211,7 @@ class Vehicle:
                 "equilibrium exists"
             )
         if np.any(self.static_loads <= 0):
-            raise ValueError(
-                f"every tire must carry a static load above 0 N, got {self.static_loads} N; "
-                "check mass_matrix, tire_map and heave"
-            )
+            raise _checks.UnloadedTireError(self.static_loads)
 
     @property
     def linear(self) -> Vehicle:

@@ -9,13 +9,14 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, FancyBboxPatch, Polygon
+from matplotlib.patches import Polygon
 
 from bridgectl._checks import FloatArray
 from bridgectl._units import to_kmh
 from bridgectl.plots import style
 from bridgectl.plots.bridge import supports_of
-from bridgectl.plots.shown import BeamShown, RoadShown
+from bridgectl.plots.moving_vehicle import FORCES, MovingVehicle, radius_and_size
+from bridgectl.plots.shown import BeamShown, RoadShown, VehicleShown
 
 BEFORE, AFTER = 0.3, 0.26
 """How much road is shown before and after the bridge, in spans."""
@@ -29,14 +30,11 @@ SIZE, LEFT, WIDTH = (8.0, 5.4), 0.1, 0.875
 SCENE, MOMENT, FORCE = (0.545, 0.395), (0.31, 0.185), (0.095, 0.135)
 """Bottom and height of the three panels, as fractions of the figure."""
 
-TIRE, SPRING, BODY = 0.032, 0.075, (0.15, 0.06)
-"""Radius of the tire, length of the spring and size of the body, as fractions of the width."""
-
 DEFLECTED, RIDING = 0.035, 0.035
 """About how tall deflection and road, or ride, are drawn, as fractions of the width."""
 
-COILS, POINTS = 6, 201
-"""Coils of the spring, and points of the bridge besides the road's stations: one at mid-span."""
+POINTS = 201
+"""Points of the bridge besides the road's stations: one at mid-span."""
 
 
 class DrawnCrossing(NamedTuple):
@@ -51,17 +49,19 @@ class DrawnCrossing(NamedTuple):
     start: float
     """Where the vehicle starts on it."""
     x: FloatArray
-    """Position of the tire; `BETWEEN` points a frame, and the last one."""
+    """Position of the reference tire; `BETWEEN` points a frame, and the last one."""
     moment: FloatArray
     """Moment over the peak static one."""
     static: FloatArray
     """Static moment over its peak."""
+    vehicle: VehicleShown
+    """The vehicle."""
     force: FloatArray
-    """Tire force over the static load."""
+    """Tire forces over their static loads, shape (n_tires, m)."""
     squeeze: FloatArray
-    """Tire's compression beyond the static one."""
+    """Compression of each tire beyond the static one, likewise."""
     travel: FloatArray
-    """Suspension's compression beyond the static one."""
+    """Compression of each suspension beyond the static one, shape (n_dampers, m)."""
     modes: FloatArray
     """Modal deflections of the beam, shape (m, n_modes)."""
 
@@ -84,12 +84,15 @@ class _Scene:
         self.motion, self.span, road = motion, motion.beam.length, motion.road
         self.supports = list(supports_of(motion.beam))
         span = self.span
-        self.window = (-BEFORE * span, (1 + AFTER) * span)
+        # Of a long vehicle half is out of the picture where it starts and where it ends.
+        half = float(motion.vehicle.tire_offsets.max()) / 2
+        self.window = (-BEFORE * span - half, (1 + AFTER) * span + half)
         self.unit = self.window[1] - self.window[0]
         inner = np.zeros(0) if road is None else road.x
-        inside = (inner > self.window[0]) & (inner < self.window[1])
+        reach = self.window[0] - half, self.window[1] + half
+        inside = (inner > reach[0]) & (inner < reach[1])
         on_bridge = np.linspace(0.0, span, POINTS)
-        self.x = np.unique(np.concatenate([inner[inside], on_bridge, self.window]))
+        self.x = np.unique(np.concatenate([inner[inside], on_bridge, reach]))
         rise = np.zeros_like(self.x) if road is None else -road.drop(self.x, motion.start)
         # The road is drawn from where the bridge begins.
         self.rise = rise - np.interp(0.0, self.x, rise)
@@ -97,20 +100,23 @@ class _Scene:
         self.shapes = motion.beam.mode_shapes(self.x)
         deflections = np.abs(motion.modes @ self.shapes[self.on].T)
         self.by_bridge = _round_factor(DEFLECTED * self.unit / float(deflections.max()))
-        ride = max(float(np.abs(part).max()) for part in (self.rise, motion.squeeze, motion.travel))
-        self.by_ride = _round_factor(RIDING * self.unit / max(ride, 1e-3))
+        _, size = radius_and_size(motion.vehicle, self.unit)
+        rides = self.rise, motion.squeeze, motion.travel
+        ride = max(float(np.abs(part).max()) for part in rides if part.size)
+        self.by_ride = _round_factor(RIDING * size / max(ride, 1e-3))
 
         self.figure = Figure(figsize=SIZE, dpi=100)
         FigureCanvasAgg(self.figure)
         self.scene = self.figure.add_axes((LEFT, SCENE[0], WIDTH, SCENE[1]))
         self._draw_ground()
-        self._draw_vehicle()
-        self.moment, self.moment_now = self._panel(
-            MOMENT, style.BLUE, "moment", "moment\n$M / M_0$ [-]"
-        )
-        self.force, self.force_now = self._panel(
-            FORCE, style.VERMILLION, "tire force", "tire force\n$R / W$ [-]"
-        )
+        self.vehicle = MovingVehicle(self.scene, motion.vehicle, self.unit, self.by_ride)
+        above, below = (self._panel(place) for place in (MOMENT, FORCE))
+        above.set_ylabel("moment\n$M / M_0$ [-]")
+        below.set_ylabel("tire force\n$R / W$ [-]")
+        self.curves = [(motion.moment, *_curve(above, style.BLUE, "moment"))]
+        for i, force in enumerate(motion.force):
+            name = "tire force" if i == 0 else f"tire force {i + 1}"
+            self.curves.append((force, *_curve(below, FORCES[i % len(FORCES)], name)))
         self._finish_panels()
 
     def name(self, slower: float) -> None:
@@ -136,21 +142,13 @@ class _Scene:
         self.deck.set_xy(_band(along, top, top - 0.014 * unit))
         self.pavement.set_xy(_band(along, road[self.on], top))
         self.road.set_data(self.x, road)
-        # The tire stands on the road as drawn; from there upward, compressions add.
-        x = float(m.x[i])
-        axle = float(np.interp(x, self.x, road)) + TIRE * unit - self.by_ride * m.squeeze[i]
-        body = axle + SPRING * unit - self.by_ride * m.travel[i]
-        self.tire.set_center((x, axle))
-        self.hub.set_data([x], [axle])
-        self.spring.set_data(*_coils(x, axle, body, 0.012 * unit))
-        self.body.set_x(x - BODY[0] * unit / 2)
-        self.body.set_y(body)
-        self.axle.set_data([x, x], [axle, axle + 0.012 * unit])
-        past = slice(i + 1)
-        self.moment.set_data(m.x[past], m.moment[past])
-        self.force.set_data(m.x[past], m.force[past])
-        self.moment_now.set_data([x], [m.moment[i]])
-        self.force_now.set_data([x], [m.force[i]])
+        x, past = float(m.x[i]), slice(i + 1)
+        self.vehicle.move(
+            x, lambda at: np.interp(at, self.x, road), m.squeeze[:, i], m.travel[:, i]
+        )
+        for values, curve, now in self.curves:
+            curve.set_data(m.x[past], values[past])
+            now.set_data([x], [values[i]])
         peak = int(m.moment[past].argmax())
         self.peak.set_data([m.x[peak]], [m.moment[peak]])
         self.peak_text.set_text(f"largest so far: {m.moment[peak]:.3f}")
@@ -181,50 +179,29 @@ class _Scene:
         ax.spines["left"].set_visible(False)
         ax.tick_params(labelbottom=False)
 
-    def _draw_vehicle(self) -> None:
-        """Body, spring, axle and tire, moved by `draw`."""
-        ax, unit = self.scene, self.unit
-        self.tire = Circle((0, 0), TIRE * unit, fc="#4a4a4a", ec=style.BLACK, lw=1.0, zorder=4)
-        self.tire.set_label("tire")
-        ax.add_patch(self.tire)
-        (self.axle,) = ax.plot([], [], color=style.BLACK, lw=2.0, zorder=5)
-        (self.hub,) = ax.plot(
-            [], [], "o", ms=8, mfc="#d9d9d9", mec=style.BLACK, zorder=5, label="hub"
-        )
-        (self.spring,) = ax.plot([], [], color=style.BLACK, lw=1.3, zorder=3)
-        self.body = FancyBboxPatch(
-            (0, 0), BODY[0] * unit, BODY[1] * unit, fc=style.VERMILLION, ec=style.BLACK, lw=1.0,
-            zorder=4, boxstyle=f"round,pad=0,rounding_size={0.008 * unit}", label="body",
-        )  # fmt: skip
-        ax.add_patch(self.body)
-
-    def _panel(
-        self, place: tuple[float, float], color: str, name: str, label: str
-    ) -> tuple[Any, Any]:
-        """A curve over the position of the tire, and its end."""
+    def _panel(self, place: tuple[float, float]) -> Axes:
+        """Axes of curves over the position of the reference tire."""
         ax = self.figure.add_axes((LEFT, place[0], WIDTH, place[1]), sharex=self.scene)
         ax.axvspan(0, self.span, color=style.BRIDGE_TINT, zorder=0)
-        (curve,) = ax.plot([], [], color=color, lw=1.8, label=name)
-        (now,) = ax.plot([], [], "o", color=color, ms=6)
-        ax.set_ylabel(label)
-        return curve, now
+        return ax
 
     def _finish_panels(self) -> None:
         """Static lines, limits and labels of the curves."""
         m = self.motion
-        above: Axes = self.moment.axes
-        below: Axes = self.force.axes
+        above, below = self.figure.axes[1:]
         above.plot(m.x, m.static, ":", color=style.GREY, lw=1.4, label="static")
         (self.peak,) = above.plot([], [], "o", ms=7, mfc="none", mec=style.BLACK, mew=1.2)
         self.peak_text = above.text(
             0.995, 0.95, "", transform=above.transAxes, ha="right", va="top", color=style.BLACK
         )
-        above.set_ylim(min(-0.1, float(m.moment.min()) - 0.1), float(m.moment.max()) + 0.15)
+        room = 0.15 if len(m.force) == 1 else 0.4  # for the text, under which the peak may be
+        above.set_ylim(min(-0.1, float(m.moment.min()) - 0.1), float(m.moment.max()) + room)
         above.tick_params(labelbottom=False)
         above.legend(loc="upper left", handlelength=1.6, borderaxespad=0.2)
         below.axhline(1.0, color=style.GREY, ls=":", lw=1.4)
         reach = max(0.1, 1.15 * float(np.abs(m.force - 1).max()))
-        below.set(ylim=(1 - reach, 1 + reach), xlabel=f"tire at {style.STATION_LABEL}")
+        tire = "tire" if len(m.force) == 1 else "first tire"
+        below.set(ylim=(1 - reach, 1 + reach), xlabel=f"{tire} at {style.STATION_LABEL}")
         self.figure.align_ylabels([above, below])
 
 
@@ -233,12 +210,11 @@ def _band(x: FloatArray, above: FloatArray, below: FloatArray) -> FloatArray:
     return np.column_stack([np.append(x, x[::-1]), np.append(above, below[::-1])])
 
 
-def _coils(x: float, low: float, high: float, width: float) -> tuple[FloatArray, FloatArray]:
-    """Zigzag of a spring between two heights."""
-    sides = np.concatenate([[0, 0], np.tile([1.0, -1.0], COILS), [0, 0]])
-    inner = np.linspace(0.2, 0.8, 2 * COILS + 2)
-    heights = low + (high - low) * np.concatenate([[0.0], inner, [1.0]])
-    return x + width * sides, heights
+def _curve(ax: Axes, color: str, name: str) -> tuple[Any, Any]:
+    """A curve that grows, and its end."""
+    (curve,) = ax.plot([], [], color=color, lw=1.8, label=name)
+    (now,) = ax.plot([], [], "o", color=color, ms=6)
+    return curve, now
 
 
 def _round_factor(value: float) -> float:

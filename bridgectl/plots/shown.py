@@ -20,6 +20,10 @@ SurfaceShown: TypeAlias = Any
 PairShown: TypeAlias = Any
 RampHeightsShown: TypeAlias = Any
 
+# model.vehicle.Vehicle; of the control library: TimeResponseData.
+VehicleShown: TypeAlias = Any
+ResponseShown: TypeAlias = Any
+
 # Scoreboard; of bridgectl.paper: printed.PaperResults, validation.Case,
 # validation.ValidationResults, damper_validation.DamperCase.
 BoardShown: TypeAlias = Any

@@ -191,6 +191,8 @@ def key(damper: Damper, study: Study, piece: Piece) -> str:
         [law.function.serialize() for law in ends],
         damper.strategy.gains,
         [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
+        [damper.position_error, damper.position_deviation],
+        [damper.acceleration_noise, damper.travel_noise],
     ]
     whole = hashlib.sha256(json.dumps(told).encode())
     if not isinstance(piece, str):

@@ -13,9 +13,8 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import count_pieces, even_places
 from bridgectl._progress import track
 from bridgectl._warn import warn
-from bridgectl.linear.cells import bridge_entry, sample_positions
+from bridgectl.linear.cells import Cells, bridge_entry, sample_positions
 from bridgectl.linear.lift_off import LiftOffWarning
-from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.reference import reference_effect
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import Run, prepare
@@ -25,6 +24,7 @@ from bridgectl.road import RoadProfile
 from bridgectl.road.iso8608 import ramp_covariance
 from bridgectl.road.psd import CLASSES
 from bridgectl.surface.histories import DenseHistories, Histories, factor_histories
+from bridgectl.surface.peaks import HistoryPeaks
 from bridgectl.surface.ramps import ends_of_ramps, one_ramp
 from bridgectl.surface.surface import RampSurface
 from bridgectl.surface.tire_contact import TireContact
@@ -115,13 +115,16 @@ def linear_surface(
     # The smooth road has nodes at the ramps' ends all the same.
     run = prepare(crossing, RoadProfile(grid.edges, np.zeros_like(grid.edges)), -grid.approach)
     histories: Histories
+    kept: dict[int, Cells] = {}
     if method == "propagator":
-        histories = factor_histories(run, speeds, grid.length, grid.n_ramps)
+        histories = factor_histories(run, speeds, grid.length, grid.n_ramps, kept)
     else:
         histories = _simulate_ramps(run, grid.edges, speeds, grid.height, progress)
-    smooth = crossing.orientation * find_peaks(histories.smooth.T).values
-    peaks = [[histories.peaks(i, h) for i in range(speeds.size)] for h in grid.heights]
-    ramps = crossing.orientation * np.array(peaks)[..., :: grid.every]
+    found = HistoryPeaks(run, speeds, grid.length, grid.n_ramps, histories, kept)
+    peaks = [[found.of_ramps(i, h) for i in range(speeds.size)] for h in grid.heights]
+    smooth = crossing.orientation * np.array([of_smooth for of_smooth, _ in peaks[0]])
+    ramps = crossing.orientation * np.array([[each for _, each in row] for row in peaks])
+    ramps = ramps[..., :: grid.every]
     vehicle = crossing.linear
     if vehicle.n_tires == 1:  # of several tires, lift-off is looked for in roads alone
         rate = vehicle.tire_lags[0] * float(speeds.max()) / grid.length

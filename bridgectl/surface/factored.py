@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
+from bridgectl.linear.cells import SAMPLES
 from bridgectl.linear.peaks import margins, raise_peaks, whole_cells
 
 ALL = slice(None)
@@ -55,40 +56,54 @@ class FactoredHistories:
         return joined(blocks)[: self.smooth.shape[1]]
 
     def peaks(self, speed: int, drops: float) -> FloatArray:
-        """See `bridgectl.surface.histories.Histories.peaks`.
+        """See `bridgectl.surface.histories.Histories.peaks`."""
+        best = np.full(self.entry.shape[2], -np.inf)
+        for first, histories in self.windows(speed, drops):
+            del first
+            raise_peaks(best, histories)
+        return best
 
-        Only where some ramp may have its peak are histories computed.
+    def windows(
+        self, speed: int, drops: float, waves: float = 1.0
+    ) -> Iterator[tuple[int, FloatArray]]:
+        """Histories with each ramp on its own where some ramp may have its peak: from which cell.
+
+        Cells have samples on both sides of a peak that is as many margins above them as `waves`.
         """
         per_block, smooth = self.rows.shape[2] - 1, self.smooth[speed]
         ramps = RampsApart(self, speed, drops)
         top = min(int(smooth.argmax()), len(smooth) - 2)
         block, sample = divmod(top, per_block)
-        best = smooth[top] + ramps.block(block, slice(sample, sample + 1))[0]
+        best = (smooth[top] + ramps.block(block, slice(sample, sample + 1))[0]).min()
         # Between samples a moment rises above them by its margin, to which a ramp adds as much as
         # its reach.
-        room = margins(smooth[:, np.newaxis])[0] + 2 * ramps.reach()
+        room = waves * (margins(smooth[:, np.newaxis])[0] + 2 * ramps.reach())
         starts = np.arange(0, len(smooth) - 1, per_block)
         tops = np.maximum.reduceat(smooth, starts)
         tops[:-1] = np.maximum(tops[:-1], smooth[starts[1:]])
         tops[-1] = max(tops[-1], smooth[-1])
-        for block in np.nonzero(tops + room[: len(starts)] >= best.min())[0].tolist():
+        for block in np.nonzero(tops + room[: len(starts)] >= best)[0].tolist():
             samples = smooth[block * per_block : (block + 1) * per_block + 1]
-            high = np.nonzero(samples + room[block] >= best.min())[0]
+            high = np.nonzero(samples + room[block] >= best)[0]
             if high.size:
                 cells = slice(*whole_cells(high[0], high[-1], len(samples)))
                 moment = ramps.block(block, cells)
                 moment += samples[cells, np.newaxis]
-                raise_peaks(best, moment)
-        return best
+                yield (block * per_block + cells.start) // len(SAMPLES), moment
 
     def _of_roads(self, speed: int, drops: FloatArray) -> Iterator[FloatArray]:
         """Histories of roads, block by block."""
+        here = np.pad(drops, ((0, 1), (0, 0)))[self.local]
+        for block, states in enumerate(self.states(speed, drops)):
+            yield self.rows[speed, block] @ states + self.direct[speed, block] @ here[block]
+
+    def states(self, speed: int, drops: FloatArray) -> Iterator[FloatArray]:
+        """States of roads at the start of each block beyond those of a smooth one, (n, n_roads)."""
         states = self.entry[speed] @ drops
-        drops = np.pad(drops, ((0, 1), (0, 0)))
-        for block, local in enumerate(self.local):
-            here = drops[local]
-            yield self.rows[speed, block] @ states + self.direct[speed, block] @ here
-            states = self.carried[speed, block] @ states + self.added[speed, block] @ here
+        here = np.pad(drops, ((0, 1), (0, 0)))[self.local]
+        for carried, added, own in zip(self.carried[speed], self.added[speed], here, strict=True):
+            yield states
+            states = carried @ states + added @ own
 
 
 class RampsApart:

@@ -25,6 +25,10 @@ BATCH_BYTES = 16e6
 """Memory of the maps of the speeds treated at once: as much again goes into their products."""
 
 
+KEPT_BYTES = 64e6
+"""Memory of the maps that are kept until the peaks are found."""
+
+
 class Histories(Protocol):
     """Moment histories of a smooth road and of ramps, which superpose."""
 
@@ -107,13 +111,18 @@ class DenseHistories:
 
 
 def factor_histories(
-    run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int
+    run: Run,
+    speeds: FloatArray,
+    ramp_length: float,
+    n_ramps: int,
+    kept: dict[int, Cells] | None = None,
 ) -> FactoredHistories:
     """Propagate all ramps of a crossing at once.
 
-    The ramps start at ``run.start``, `ramp_length` apart.
+    The ramps start at ``run.start``, `ramp_length` apart. Cells are kept, by the first of their
+    speeds, as far as they take little memory.
     """
-    nodes = run.nodes(float(speeds.min()))
+    nodes = run.nodes(float(speeds.min()), wide=True)
     entry = bridge_entry(nodes)
     nodes = nodes[entry:]
     # About as many blocks as cells in a block: both loops are then short. Cells beyond the exit
@@ -136,6 +145,8 @@ def factor_histories(
         cells = build_cells(run.crossing, speeds[batch], nodes, on_bridge=True)
         arrived = _entry_states(run, speeds[batch], ramp_length, n_ramps)
         parts.append(_factor_blocks(run, speeds[batch], cells, rises, arrived))
+        if kept is not None and batch.stop * cells.size / len(cells.free) < KEPT_BYTES:
+            kept[batch.start] = cells
     smooth, entries, carried, added, rows, direct = (
         np.concatenate(arrays) for arrays in zip(*parts, strict=True)
     )

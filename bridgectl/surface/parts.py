@@ -25,6 +25,7 @@ UNITS = {
     "vehicle.mass_matrix": "kg", "vehicle.damping_matrix": "N s/m",
     "vehicle.stiffness_matrix": "N/m", "vehicle.tire_stiffnesses": "N/m",
     "vehicle.tire_offsets": "m", "vehicle.tire_map": "1", "vehicle.damper_map": "1",
+    "vehicle.body_places": "m", "vehicle.body_map": "1",
     "vehicle.damper_axles": "1", "vehicle.damper_dampings": "N s/m",
     "vehicle.heave": "1", "vehicle.pitch_input": "kg",
     "histories.nodes": "m", "histories.smooth": "1", "histories.unit": "1/m",

@@ -14,7 +14,6 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_roads
 from bridgectl._threads import on_one_thread
 from bridgectl._units import to_kmh
-from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import prepare
 from bridgectl.model.bridge_effects import Moment
@@ -23,8 +22,9 @@ from bridgectl.road.iso8608 import ramp_covariance
 from bridgectl.road.spectrum import DEFAULT_BAND
 from bridgectl.surface.class_dae import ClassDae, over_class
 from bridgectl.surface.file import save_surface
-from bridgectl.surface.histories import FeedbackHistories, Histories, superposed
+from bridgectl.surface.histories import FeedbackHistories, Histories
 from bridgectl.surface.labelled import surface_to_xarray
+from bridgectl.surface.peaks import peaks_of
 from bridgectl.surface.ramps import Roads, UnitRamps, profiles, road_parts
 
 if TYPE_CHECKING:
@@ -307,9 +307,9 @@ class RampSurface(UnitRamps):
     def _superposed(self, drops: FloatArray) -> FloatArray:
         """Superposed DAF of roads, (n_speeds, n_roads); NaN where a tire may leave the road."""
         values = np.empty((len(self.speeds), drops.shape[1]))
+        peaks = peaks_of(self, self.histories)
         for i in range(len(self.speeds)):
-            peaks = find_peaks(superposed(self.histories, i, drops)).values
-            values[i] = self._crossing.orientation * peaks
+            values[i] = self._crossing.orientation * peaks.of_roads(i, drops)
         values[self.near_lift_off(drops)] = np.nan
         return values
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._threads import on_one_thread
-from bridgectl.linear.peaks import find_peaks
 from bridgectl.road.iri import GOOD, rectified_slope
 from bridgectl.surface.histories import superposed
+from bridgectl.surface.peaks import peaks_of
 from bridgectl.surface.ramps import Roads, road_parts
 from bridgectl.surface.surface import RampSurface
 
@@ -141,7 +141,8 @@ IRI up to 2.31 m/km)
 def _peak_rises(surface: RampSurface, drops: FloatArray) -> FloatArray:
     """Superposed peak above the superposed moment at the smooth road's peak, (n_speeds, n)."""
     rises = np.empty((len(surface.speeds), drops.shape[1]))
+    peaks = peaks_of(surface, surface.histories)
     for i, smooth in enumerate(surface.histories.smooth):
         moment = superposed(surface.histories, i, drops)
-        rises[i] = find_peaks(moment).values - moment[np.argmax(smooth)]
+        rises[i] = peaks.of_roads(i, drops, moment) - moment[np.argmax(smooth)]
     return rises

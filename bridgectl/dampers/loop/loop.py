@@ -17,7 +17,7 @@ from bridgectl.dampers.actuator import Damper
 from bridgectl.dampers.loop.advance import Ends, Stepper
 from bridgectl.dampers.loop.batch_law import BatchLaw
 from bridgectl.dampers.loop.controller import Controller
-from bridgectl.dampers.loop.noise import Noise
+from bridgectl.dampers.loop.noise import Errors
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.steps import (
     AXLE,
@@ -71,17 +71,16 @@ class Loop:
         gains = damper.strategy.gains_for(crossing, speeds, stations, elevations)
         every = np.full(len(elevations), stations[0])
         law = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
-        law.foresee(self.plan.edges[..., 0], speeds)
+        roads = stations, self.drops, crossing.beam.length
+        self.errors = Errors(damper, self.plan, speeds, *roads)
+        if not damper.position_deviation:  # else each road has places of its own
+            law.foresee(self.plan.edges[..., 0] + self.errors.places, speeds)
         self.controller: Controller = law
         # What is set once for each crossing, its noise, or what is seen ahead differs between roads
         # from the start.
-        own = bool(gains) or damper.velocity_noise > 0 or law.preview.size > 0
+        own = bool(gains) or damper.noisy or law.preview.size > 0
         self.begins = every if begins is None or own else begins
         self.middle = (damper.strategy.c_min + damper.strategy.c_max) / 2
-        self.noise: Noise | None = None
-        if damper.velocity_noise:
-            roads = stations, self.drops, crossing.beam.length
-            self.noise = Noise(damper.seed, damper.velocity_noise, self.plan, speeds, *roads)
         self.kept: dict[str, list[FloatArray]] = {name: [] for name in record}
 
     def run(self, observe: Callable[[Ends, float], None] = lambda now, x: None) -> LoopResult:
@@ -182,20 +181,16 @@ class Loop:
             for row in (BODY, AXLE)
         }
         body, axle = vehicle[:, BODY], vehicle[:, AXLE]
-        if self.noise is not None:
-            noise = self.noise.at(k, velocity.shape)
-            body, axle = body + noise[0], axle + noise[1]
-            velocity = body - axle
         change = (now.force - now.sampled_force) / self.damper.sample_time
         change[first] = 0.0
-        return {
+        return self.errors.added(k, {
             "body_velocity": body, "axle_velocity": axle,
             "suspension_travel": vehicle[:, BODY - 1] - vehicle[:, AXLE - 1],
             "suspension_velocity": velocity,
             "body_acceleration": rates[BODY], "axle_acceleration": rates[AXLE],
             "tire_force": now.force, "tire_force_rate": change,
             "position": self.plan.edges[:here, k, :1], "speed": self.speeds[:here, np.newaxis],
-        }  # fmt: skip
+        })  # fmt: skip
 
     def _ahead(self, k: int, shape: tuple[int, ...]) -> FloatArray:
         """Elevations ahead less that under the tire [m], (S, n, R): drops are positive down."""

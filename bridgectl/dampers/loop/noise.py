@@ -1,13 +1,18 @@
-"""Noise on measured velocities: a stream of its own for each crossing, told by what it is."""
+"""What sensors tell beside the truth: noise, and errors of position.
+
+Each crossing has a stream of its own, told by what it is.
+"""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
+from bridgectl.dampers.actuator import Damper
 from bridgectl.dampers.loop.steps import Plan
 
 PIECE = 0.1
@@ -16,12 +21,63 @@ PIECE = 0.1
 ROUND = 1e-8
 """Drops [m], and speeds [m/s], that differ by less are the same: far above round-off."""
 
+OF_POSITION, OF_SENSORS = 1, 2
+"""What tells random numbers for errors of position, and for the noise of accelerometers and travel
+sensors, from those for velocities."""
+
 ROUNDS = 64
 """Rounds whose noise is drawn at once."""
 
 
+NOISY = ("body_velocity", "axle_velocity")
+"""Signals with the noise of velocities; that of the suspension is their difference."""
+
+SENSED = ("body_acceleration", "axle_acceleration", "suspension_travel")
+"""Signals with that of accelerometers and of a travel sensor."""
+
+
+class Errors:
+    """What the sensors of a damper tell beside the truth; arguments as of `Noise`."""
+
+    def __init__(
+        self,
+        damper: Damper,
+        plan: Plan,
+        speeds: FloatArray,
+        stations: FloatArray,
+        drops: FloatArray,
+        end: float,
+    ) -> None:
+        crossings = speeds, stations, drops, end
+        self.places = np.full((len(speeds), 1), damper.position_error)
+        """How far the positions told are beyond the true ones [m], (S, R), or (S, 1) of all roads.
+        """
+        if damper.position_deviation:
+            drawn = position_errors(damper.seed, damper.position_deviation, *crossings)
+            self.places = self.places + drawn
+        a, d = damper.acceleration_noise, damper.travel_noise
+        kinds = (NOISY, [damper.velocity_noise] * 2, ()), (SENSED, [a, a, d], (OF_SENSORS,))
+        self.noises = [
+            (names, Noise(damper.seed, deviations, plan, *crossings, *kind))
+            for names, deviations, kind in kinds
+            if any(deviations)
+        ]
+
+    def added(self, k: int, signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Signals of round k by name, (S, R) or (S, 1), with the errors."""
+        found = dict(signals)
+        here, known = found["body_velocity"].shape
+        found["position"] = found["position"] + self.places[:here, :known]
+        for names, noise in self.noises:
+            drawn = noise.at(k, (here, known))
+            found |= {name: found[name] + drawn[i] for i, name in enumerate(names)}
+            if names is NOISY:
+                found["suspension_velocity"] = found[names[0]] - found[names[1]]
+        return found
+
+
 class Noise:
-    """White noise of each sample, of a standard `deviation` [m/s], by round of a plan.
+    """White noise of each sample, of standard `deviations` in their units, by round of a plan.
 
     A crossing's noise depends on the seed, its road from start to the `end` of the bridge [m] and
     its speed: it is the same alone and beside others. Speeds [m/s] have the shape (S,), stations
@@ -31,26 +87,21 @@ class Noise:
     def __init__(
         self,
         seed: int,
-        deviation: float,
+        deviations: Sequence[float],
         plan: Plan,
         speeds: FloatArray,
         stations: FloatArray,
         drops: FloatArray,
         end: float,
+        *kind: int,
     ) -> None:
-        self.deviation, self.plan = deviation, plan
-        count = np.ceil((end - stations[0]) / PIECE - SAME_PLACE)  # not one more by round-off
-        places = stations[0] + PIECE * np.arange(count)
-        roads = [_digest(np.interp(places, stations, road)) for road in drops.T]
-        self.streams = [
-            [np.random.default_rng([seed, _digest(speed), road]) for road in roads]
-            for speed in speeds
-        ]
-        self.drawn = np.zeros((0, 2, len(speeds), len(roads)))
+        self.deviations, self.plan = deviations, plan
+        self.streams = _streams(seed, speeds, stations, drops, end, *kind)
+        self.drawn = np.zeros((0, len(deviations), len(speeds), drops.shape[1]))
         self.first = 0
 
     def at(self, k: int, shape: tuple[int, ...]) -> FloatArray:
-        """Noise of body and axle velocity [m/s] in round k, (2, *shape)."""
+        """Noise in round k, (n, *shape), of as many signals as there are deviations."""
         if not 0 <= k - self.first < len(self.drawn):
             self._draw(k)
         return self.drawn[k - self.first, :, : shape[0], : shape[1]]
@@ -58,14 +109,46 @@ class Noise:
     def _draw(self, k: int) -> None:
         """Draw the noise of the rounds from k on; rounds follow each other."""
         self.first = k
-        self.drawn = np.zeros((ROUNDS, 2, len(self.streams), len(self.streams[0])))
+        n = len(self.deviations)
+        self.drawn = np.zeros((ROUNDS, n, len(self.streams), len(self.streams[0])))
         for i, streams in enumerate(self.streams):
             begin = max(int(self.plan.first[i]) - k, 0)
             count = min(int(self.plan.last[i]) - k, ROUNDS) - begin
             if count > 0:
                 for j, stream in enumerate(streams):
-                    own = stream.normal(0.0, self.deviation, (count, 2))
+                    own = stream.normal(0.0, self.deviations, (count, n))
                     self.drawn[begin : begin + count, :, i, j] = own
+
+
+def position_errors(
+    seed: int,
+    deviation: float,
+    speeds: FloatArray,
+    stations: FloatArray,
+    drops: FloatArray,
+    end: float,
+) -> FloatArray:
+    """Errors of position [m] of a standard `deviation`, one a crossing, (S, R): see `Noise`."""
+    every = _streams(seed, speeds, stations, drops, end, OF_POSITION)
+    return np.array([[stream.normal(0.0, deviation) for stream in streams] for streams in every])
+
+
+def _streams(
+    seed: int,
+    speeds: FloatArray,
+    stations: FloatArray,
+    drops: FloatArray,
+    end: float,
+    *kind: int,
+) -> list[list[np.random.Generator]]:
+    """Random numbers of each crossing, by speed and road."""
+    count = np.ceil((end - stations[0]) / PIECE - SAME_PLACE)  # not one more by round-off
+    places = stations[0] + PIECE * np.arange(count)
+    roads = [_digest(np.interp(places, stations, road)) for road in drops.T]
+    return [
+        [np.random.default_rng([seed, _digest(speed), road, *kind]) for road in roads]
+        for speed in speeds
+    ]
 
 
 def _digest(value: FloatArray) -> int:
