@@ -158,6 +158,25 @@ def test_long_braking_moves_load_to_the_front_axle():
     assert last == pytest.approx([loads[0] + transfer, loads[1] - transfer], rel=1e-3)
 
 
+def test_trucks_from_parts_pitch_by_the_heights_of_their_bodies_and_have_their_tires_damping():
+    axles = [
+        bc.trucks.Axle(-2.0, 700, 4e5, 1.8e6, damping=12e3, tire_damping=5e3),
+        bc.trucks.Axle(3.0, 900, 6e5, 3.6e6, damping=15e3),
+    ]
+    trailer = [bc.trucks.Axle(x, 800, 6e5, 3.5e6, damping=1e4, tire_damping=1e4) for x in (2, 3.2)]
+    one = bc.trucks.Body(12000, 4e4, axles, height=1.4)
+    truck = bc.trucks.rigid(one)
+    assert dict(zip(truck.coordinates, truck.pitch_input, strict=True))["thB"] == 12000 * 1.4
+    assert truck.tire_damping.tolist() == [5e3, 0.0]
+    both = bc.trucks.articulated(one, bc.trucks.Body(2e4, 1e5, trailer, height=2.0), (2.5, -4.0))
+    pitch = dict(zip(both.coordinates, both.pitch_input, strict=True))
+    assert (pitch["thB1"], pitch["thB2"], pitch["yB1"]) == (12000 * 1.4, 4e4, 0.0)
+    assert both.tire_damping.tolist() == [5e3, 0.0, 1e4, 1e4]
+    slowing = bc.Motion(20.0, -4.0)
+    first = bc.TireForce()
+    assert bc.daf(BEAM, truck, slowing, start=-5, effect=first) > 1.05  # it dives
+
+
 def test_piecewise_motion_of_one_acceleration_is_the_motion_of_that():
     one = bc.daf(BEAM, TRUCK, bc.Motion(25.0, -2.0), start=-5)
     pieces = bc.Motion(25.0, [-2.0, -2.0, -2.0], [-2.0, 7.7])
