@@ -1,12 +1,13 @@
 """Motions of constant acceleration by pieces: where they are, and crossings by them."""
 
+import json
 import re
 import warnings
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers import rough_road
+from helpers import rough_road, run_command
 from reference_trucks import (
     needs_reference,
     random_bridge,
@@ -238,3 +239,19 @@ def test_dampers_go_with_a_constant_speed():
         bc.crossing_response(BEAM, CAR, STOPPING, damper=bc.dampers.passive(5e3))
     uniform = bc.daf(BEAM, CAR, bc.Motion(25.0), damper=bc.dampers.passive(5e3))
     np.testing.assert_array_equal(uniform, bc.daf(BEAM, CAR, 25.0, damper=bc.dampers.passive(5e3)))
+
+
+def test_the_command_line_simulates_trucks_that_brake(capsys):
+    asked = ["dae", "--speeds", "60,80", "--approach", "10", "--json"]
+    status, out, err = run_command(capsys, *asked, "--acceleration", "-3")
+    assert (status, err) == (0, "")
+    braking, uniform = json.loads(out), json.loads(run_command(capsys, *asked)[1])
+    assert braking["simulated_acceleration_m_per_s2"] == -3
+    assert braking["daf_superposed"] == uniform["daf_superposed"]
+    change = np.subtract(braking["daf_simulated"], uniform["daf_simulated"])
+    assert 0.01 < np.abs(change).max() < 0.3
+    _, table, _ = run_command(capsys, *asked[:-1], "--acceleration", "-3")
+    assert "Simulated with -3 m/s^2 from the start of the bridge on" in table
+    status, _, err = run_command(capsys, *asked, "--acceleration", "-9")
+    assert status != 0
+    assert "acceleration must not bring the vehicle to rest on its way" in err
