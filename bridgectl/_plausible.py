@@ -21,6 +21,7 @@ from bridgectl._warn import asker, warn
 Beam: TypeAlias = Any
 Crossing: TypeAlias = Any
 Damper: TypeAlias = Any
+Fitted: TypeAlias = Any
 QuarterCar: TypeAlias = Any
 RoadProfile: TypeAlias = Any
 Vehicle: TypeAlias = Any
@@ -143,8 +144,9 @@ def judge_damper(damper: Damper) -> None:
     _tell(_damper_doubts(damper))
 
 
-def judge_range(car: QuarterCar, *dampers: Damper) -> None:
+def judge_range(car: Vehicle | QuarterCar, *devices: Fitted | None) -> None:
     """Warn of dampings that are nothing, or all, beside what a vehicle needs."""
+    dampers = (damper for each in devices if each is not None for damper in each.dampers)
     _tell(chain.from_iterable(_range_doubts(car, damper) for damper in dampers))
 
 
@@ -328,9 +330,18 @@ def _damper_doubts(damper: Damper) -> Iterator[str]:
         yield f"travel_noise = {loose:g} m hides all: for {loose:g} mm type {loose / 1e3:g}"
 
 
-def _range_doubts(car: QuarterCar, damper: Damper) -> Iterator[str]:
+def _critical(vehicle: Vehicle | QuarterCar) -> float:
+    """Critical damping of a suspension [N s/m]; of a vehicle about that of its stiffest."""
+    linear = vehicle.linear
+    mass = getattr(vehicle, "sprung_mass", linear.mass / len(linear.damper_map))
+    axles = linear.damper_axles
+    springs = ((axles @ linear.stiffness_matrix) * axles).sum(axis=1)
+    return 2 * float(np.sqrt(springs.max() * mass))
+
+
+def _range_doubts(car: Vehicle | QuarterCar, damper: Damper) -> Iterator[str]:
     largest = damper.strategy.c_max
-    critical = 2 * float(np.sqrt(car.suspension_stiffness * car.sprung_mass))
+    critical = _critical(car)
     judged, remedy = "", ""
     if 0 < largest < SUSPENSION_DAMPING[0] * critical:
         judged, remedy = "nothing", f"for {largest:g} kN s/m type {1000 * largest:g}"

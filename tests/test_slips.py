@@ -122,7 +122,7 @@ DAMPER = [
     (skyhook, r"damper must be .*type skyhook\(1e3, 30e3\)"),
     (law, r'damper must be .*Strategy\("law", law, 1e3, 30e3\)'),
     ("skyhook", r"damper must be .*type bridgectl.dampers.skyhook\("),
-    ([PASSIVE], "damper must be .*got list"),
+    ([PASSIVE, PASSIVE], "damper must be .*type None in the list"),
 ]
 PROGRESS = [("no", "progress must be True or False"), (None, "progress must be True or False")]
 
