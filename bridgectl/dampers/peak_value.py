@@ -204,7 +204,7 @@ def _weights(
     if n_dampers == 1:
         return soft(moments)[np.newaxis]
     worths = [impulses[k] * ahead @ known.damper_input for k, ahead in _backward(known)]
-    each = np.moveaxis(worths, 0, 1)  # (C + 1, nodes, D)
+    each = np.stack(worths, axis=1)  # (C + 1, nodes, D)
     return np.array([
         soft(left_by(np.delete(each, leg, axis=2).reshape(moments.size, -1)))
         for leg in range(n_dampers)
