@@ -79,7 +79,7 @@ def crossing_response(
     damper : bridgectl.dampers.Damper or Strategy, or a list or dict of them, optional
         Semi-active dampers in place of the vehicle's own (`damper_dampings`): one for all, a list
         of one for each (None for a passive one that stays), or some by `Vehicle.damper_names`. At
-        constant speed, and with a road that is level before `start`.
+        constant speed.
     tail : float, optional
         Time of free vibration after the last tire has left the bridge [s].
     timepts : array_like, optional
@@ -119,7 +119,7 @@ def crossing_response(
     crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
     _checks.choice("method", method, METHODS)
     devices = fitted_to(damper, vehicle, method, [] if motion.uniform else [motion])
-    run = begin(crossing, profile, start, motion.speed, motion, level=devices is not None)
+    run = begin(crossing, profile, start, motion.speed, motion)
     judge_crossing(crossing, motion.speed, profile)
     after = _checks.not_negative("tail", tail, unit="s")
     run = run._replace(end=run.end_of_tail(motion, after))
@@ -197,7 +197,7 @@ def daf(
     for crossing in crossings:
         require_factor(crossing)
     devices = fitted_to(damper, vehicle, method, motions)
-    run = begin(crossings[0], profile, start, c, level=devices is not None)
+    run = begin(crossings[0], profile, start, c)
     judge_crossing(crossings[0], c, profile)
     judge_range(vehicle, devices)
     found = _peaks(run, crossings, c, motions, devices, method, progress)
@@ -255,7 +255,7 @@ def peak_effect(
     c, motions = given_speeds(speeds)
     crossings = crossings_of(effect, beam, vehicle, section, recovery)
     devices = fitted_to(damper, vehicle, method, motions)
-    run = begin(crossings[0], profile, start, c, level=devices is not None)
+    run = begin(crossings[0], profile, start, c)
     judge_crossing(crossings[0], c, profile)
     judge_range(vehicle, devices)
     found = _peaks(run, crossings, c, motions, devices, method, progress)

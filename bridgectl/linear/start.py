@@ -28,13 +28,9 @@ def begin(
     start: float,
     speeds: float | FloatArray,
     motion: Motion | None = None,
-    *,
-    level: bool = False,
 ) -> Run:
-    """Check a crossing, see `prepare`, and judge its start; the road may be level before it."""
+    """Check a crossing, see `prepare`, and judge its start."""
     run = prepare(crossing, profile, start)
-    if level and run.profile is not None and crossing.linear.n_tires > 1:
-        run = run._replace(profile=run.profile.crop(run.start, float(run.profile.x[-1])))
     if motion is not None:
         run = moving(run, motion)
     _require_contact(run)
