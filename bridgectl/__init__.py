@@ -56,11 +56,12 @@ if TYPE_CHECKING:
         Shear,
         Stress,
     )
-    from bridgectl.model.crossing import Crossing, crossing_system
+    from bridgectl.model.crossing import Crossing
     from bridgectl.model.modal import ModalBridge
     from bridgectl.model.motion import Motion
     from bridgectl.model.quarter_car import QuarterCar, convoy
     from bridgectl.model.spans import Bridge
+    from bridgectl.model.system import crossing_system
     from bridgectl.model.vehicle import Vehicle
     from bridgectl.model.vehicle_effects import BodyAcceleration, TireForce
     from bridgectl.paper import li2006
@@ -145,7 +146,7 @@ _HOMES = {
     "linear.lift_off": ("LiftOffWarning",),
     "linear.prediction": ("prediction_matrices",),
     "model.beam": ("Beam",),
-    "model.crossing": ("Crossing", "crossing_system"),
+    "model.crossing": ("Crossing",),
     "model.bridge_effects": (
         "BridgeAcceleration", "Deflection", "Moment", "Reaction", "Shear", "Stress",
     ),
@@ -153,6 +154,7 @@ _HOMES = {
     "model.motion": ("Motion",),
     "model.quarter_car": ("QuarterCar", "convoy"),
     "model.spans": ("Bridge",),
+    "model.system": ("crossing_system",),
     "model.vehicle": ("Vehicle",),
     "model.vehicle_effects": ("BodyAcceleration", "TireForce"),
     "road": (

@@ -62,6 +62,9 @@ STIFFER_SPRING = 6.0
 SUSPENSION_DAMPING = (1e-3, 4.0)
 """Damping ratios of a body on its suspension that are not 0, with room."""
 
+TIRE_DAMPING = (1e-3, 1.0)
+"""Damping ratios of an axle on its tire that are not 0, with room."""
+
 STEEL_WHEEL = 1e8
 """Stiffness [N/m] above which a tire is the contact of a wheel with its rail, or a rigid one."""
 
@@ -301,6 +304,14 @@ def _quarter_car_doubts(car: QuarterCar) -> Iterator[str]:
         yield (
             f"damping = {damping:g} N s/m is {damping / critical:.2g} of the suspension's critical "
             f"damping, {critical:.3g} N s/m: {remedy}"
+        )
+    own, critical = car.tire_damping, 2 * float(np.sqrt(tire * axle))
+    if own > 0 and not TIRE_DAMPING[0] <= own / critical <= TIRE_DAMPING[1]:
+        remedy = f"for {own:g} kN s/m type tire_damping={1000 * own:g}"
+        yield (
+            f"tire_damping = {own:g} N s/m is {own / critical:.2g} of the critical damping of the "
+            f"axle on its tire, {critical:.3g} N s/m: "
+            f"{remedy if own < critical else 'tires have 1e3 to 2e4 N s/m'}"
         )
 
 

@@ -18,14 +18,15 @@ from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.estimates import require_surface
 from bridgectl.linear.response import METHODS, as_response, checked_times, linear_response
-from bridgectl.linear.runs import Run, prepare
-from bridgectl.linear.samples import crossings_of, dafs_of_effects
+from bridgectl.linear.runs import Run
+from bridgectl.linear.samples import crossings_of, dafs_of_effects, dafs_of_motions
+from bridgectl.linear.start import begin
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
 from bridgectl.model.effects import NamedEffects
-from bridgectl.model.motion import Motion, as_motion
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.motion import Motion, Speeds, as_motion, given_speeds
+from bridgectl.model.quarter_car import QuarterCar, require_springs
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
 from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, linear_surface, ramp_grid
@@ -55,15 +56,16 @@ def crossing_response(
 ) -> control.TimeResponseData:
     """Simulate one crossing.
 
-    Time is zero when the reference tire is at the start of the bridge. At `start` the
-    vehicle is in equilibrium on a level road that continues the profile backwards.
+    Time is zero when the reference tire is at the start of the bridge. At `start` the vehicle is
+    at rest on the road under each of its axles, level before the profile: crop the profile there
+    for one that is level under all axles.
 
     Parameters
     ----------
     beam, vehicle
         See `Crossing`.
     speed : float or Motion
-        Speed c [m/s]; motions that are not uniform go with ``method="control"``.
+        Speed c [m/s], or a motion that is not uniform.
     section, recovery, effect
         Where 'moment' and 'deflection' are read, and how: see `daf`.
     effects, static
@@ -72,37 +74,36 @@ def crossing_response(
         The road, covering `start` to the end of the bridge; level beyond its end. Default:
         a smooth road.
     start : float, optional
-        Where the vehicle starts [m]: 0, or negative for a start on the approach.
+        Where the reference tire starts [m]: 0, or negative for a start on the approach.
     method : {'propagator', 'control'}, optional
         The fast path, or `control.input_output_response` with tight tolerances.
     damper : bridgectl.dampers.Damper or Strategy, optional
-        A semi-active damper in place of the vehicle's own.
+        A semi-active damper in place of the vehicle's own, at constant speed.
     tail : float, optional
         Time of free vibration after the last tire has left the bridge [s].
     timepts : array_like, optional
-        Times of the response [s], increasing, within the crossing. Default: the
-        samples of the propagator's cells, dense enough for every motion; a kink of the
-        moment is always a sample.
+        Times of the response [s], increasing, within the crossing. Default: those of the
+        propagator's cells, dense enough for every motion and with every kink of the moment.
 
     Returns
     -------
     control.TimeResponseData
-        Outputs as in `crossing_system`: 'moment' (over the peak static moment),
-        'deflection' [m], 'tire_force' [N], ... Inputs: the road r, positive downward, and
-        the force of each controlled damper, zero without one.
+        Outputs and inputs as in `crossing_system`: 'moment' (over the peak static moment),
+        'deflection' [m], 'tire_force' [N], ...
 
     Raises
     ------
     TypeError, ValueError
-        If a parameter has the wrong kind, shape or range, or the road does not cover the
-        approach and the bridge.
+        If a parameter has the wrong kind, shape or range, the road does not cover approach and
+        bridge, or the vehicle stands still on its way.
 
     Warns
     -----
     LiftOffWarning
         If a tire leaves the road; the response then has R = 0 in flight.
     PlausibilityWarning
-        If speed, vehicle, road or damper can hardly be meant.
+        If speed, vehicle, road or damper can hardly be meant, or the vehicle has several axles and
+        its start is still felt at the bridge.
     UserWarning
         If the road's `RoadProfile.measured_step` is above one foot, or the work takes minutes.
 
@@ -117,14 +118,12 @@ def crossing_response(
     motion = as_motion(speed)
     crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
     _checks.choice("method", method, METHODS)
-    if method == "propagator" and not motion.uniform:
-        raise ValueError(f'{motion!r} is not uniform: type method="control", without a damper')
-    run = prepare(crossing, profile, start)
-    after = _checks.not_negative("tail", tail, unit="s")
-    run = run._replace(end=motion.position(motion.time(run.end) + after) if after else run.end)
+    devices = fitted(damper, vehicle, method, [] if motion.uniform else [motion])
+    run = begin(crossing, profile, start, motion.speed, motion)
     judge_crossing(crossing, motion.speed, profile)
+    after = _checks.not_negative("tail", tail, unit="s")
+    run = run._replace(end=run.end_of_tail(motion, after))
     asked = None if timepts is None else motion.position(checked_times(timepts, run, motion))
-    devices = fitted(damper, vehicle, method)
     if not devices:
         return as_response(run, motion, *linear_response(run, motion, asked, method))
     from bridgectl.dampers.loop.damped import damped_response
@@ -139,7 +138,7 @@ def crossing_response(
 def daf(
     beam: BridgeModel,
     vehicle: Vehicle | QuarterCar,
-    speeds: ArrayLike,
+    speeds: Speeds,
     profile: RoadProfile | None = None,
     *,
     start: float = 0.0,
@@ -160,11 +159,11 @@ def daf(
         See `Crossing`.
     section, recovery, effect : optional
         What the factor is of: `Moment`, `Deflection` or `TireForce`. 'moment' and 'deflection' are
-        short for those at a section, a fraction of the span, and with the recovery of `Moment`;
-        'tire_force' ('tire_force_1', ... of several tires) for that of a tire. A list of effects is
-        simulated once; with a damper that is not constant, once an effect.
-    speeds : float or array_like
-        Speeds c [m/s].
+        short for those at a section, a fraction of the span, with the recovery of `Moment`,
+        'tire_force' ('tire_force_1', ...) for that of a tire. A list of effects is simulated once;
+        with a damper that is not constant, once an effect.
+    speeds : float or array_like, or Motion or list of these
+        Speeds c [m/s], or motions that are not uniform.
     profile, start, method, damper
         See `crossing_response`.
     progress : bool, optional
@@ -193,13 +192,14 @@ def daf(
     >>> bc.daf(beam, car, [50 / 3.6, 110 / 3.6], recovery="li2006").round(4)
     array([1.0551, 1.1302])
     """
-    c, crossings = _checks.speeds(speeds), crossings_of(effect, beam, vehicle, section, recovery)
+    c, motions = given_speeds(speeds)
+    crossings = crossings_of(effect, beam, vehicle, section, recovery)
     for crossing in crossings:
         require_factor(crossing)
-    run, devices = prepare(crossings[0], profile, start), fitted(damper, vehicle, method)
+    run, devices = begin(crossings[0], profile, start, c), fitted(damper, vehicle, method, motions)
     judge_crossing(crossings[0], c, profile)
     judge_range(vehicle, *devices)
-    found = _peaks(run, crossings, c, devices, method, progress)
+    found = _peaks(run, crossings, c, motions, devices, method, progress)
     return found if isinstance(effect, list | tuple) else found[0]
 
 
@@ -207,7 +207,7 @@ def daf(
 def peak_effect(
     beam: BridgeModel,
     vehicle: Vehicle | QuarterCar,
-    speeds: ArrayLike,
+    speeds: Speeds,
     profile: RoadProfile | None = None,
     *,
     start: float = 0.0,
@@ -225,7 +225,7 @@ def peak_effect(
     beam, vehicle, speeds, profile, start, section, recovery, method, damper, progress
         See `daf`.
     effect : Moment, Deflection, TireForce, BodyAcceleration or str, or a list, optional
-        What the peak is of; 'acceleration' is that of the first coordinate of the vehicle.
+        'acceleration' is that of the first coordinate of the vehicle.
 
     Returns
     -------
@@ -251,11 +251,12 @@ def peak_effect(
     >>> bc.peak_effect(beam, car, 30.0, effect=bc.Deflection(sense="smallest")).round(5)
     array([-5.e-05])
     """
-    c, crossings = _checks.speeds(speeds), crossings_of(effect, beam, vehicle, section, recovery)
-    run, devices = prepare(crossings[0], profile, start), fitted(damper, vehicle, method)
+    c, motions = given_speeds(speeds)
+    crossings = crossings_of(effect, beam, vehicle, section, recovery)
+    run, devices = begin(crossings[0], profile, start, c), fitted(damper, vehicle, method, motions)
     judge_crossing(crossings[0], c, profile)
     judge_range(vehicle, *devices)
-    found = _peaks(run, crossings, c, devices, method, progress)
+    found = _peaks(run, crossings, c, motions, devices, method, progress)
     found *= np.array([[crossing.static_peak or 1.0] for crossing in crossings])
     return found if isinstance(effect, list | tuple) else found[0]
 
@@ -287,26 +288,21 @@ def ramp_surface(
     speeds : float or array_like
         Speeds c [m/s].
     approach : float, optional
-        Length of the approach [m]: the vehicle starts that far before the bridge, in
-        equilibrium, and ramps lie there too.
+        Length of the approach [m], where the vehicle starts in equilibrium, and ramps lie too.
     ramp_length, ramp_height : float, optional
         The unit ramp [m]: by default 1 mm over 100 mm, a *drop*, as in the paper. A road class,
         "A" to "H", stands for the height sigma sqrt(N) of one ramp with the variance of the drops
         over all N ramps of its roads: 13.4 mm for class A and 850 ramps.
     both_ways : bool, optional
-        Whether there are rises of that height beside the drops: what they do together is the
-        even part of a ramp's effect, which `RampSurface.dae` of order 2 and
-        `RampSurface.class_dae` need to tell dampers apart.
+        Whether there are rises of that height beside the drops: `RampSurface.dae` of order 2 and
+        `RampSurface.class_dae` need what both do together to tell dampers apart.
     every : int, optional
-        Take a ramp at every so many-th place alone, and straight lines between: a tenth of the
-        ramps cost a tenth of the time.
+        Take a ramp at every so many-th place alone, and straight lines between.
     method : {'propagator', 'control'}, optional
-        'propagator': all ramps from one propagation, factored. 'control': one
-        `control.input_output_response` for each ramp and speed, slow, for comparison.
+        All ramps from one propagation, or one `control.input_output_response` for each.
     damper : bridgectl.dampers.Damper or Strategy, optional
-        A damper in place of the vehicle's own. If it is semi-active, its responses do not
-        superpose: the surface has a DAE, which then is an estimate twice over, and no superposed
-        DAF.
+        A damper in place of the vehicle's own. Responses of a semi-active one do not superpose: the
+        surface has a DAE, an estimate twice over, and no superposed DAF.
     progress : bool, optional
         Whether 'control' shows a progress bar on a terminal.
 
@@ -351,6 +347,8 @@ def ramp_surface(
     grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every)
     judge_crossing(crossing, c)
     require_surface(crossing, c, grid.approach, grid.length, method)
+    if method == "control":
+        require_springs(vehicle, 'ramp surfaces by method="control"')
     devices = fitted(damper, vehicle, method)
     judge_range(vehicle, *devices)
     for given in devices:
@@ -363,13 +361,17 @@ def ramp_surface(
 
 
 def fitted(
-    damper: Damper | Strategy | None, vehicle: Vehicle | QuarterCar, method: str = "propagator"
-) -> list[Damper]:
+    damper: Damper | Strategy | None, vehicle: Vehicle | QuarterCar, method: str = "propagator",
+    motions: Sequence[Motion] = (),
+) -> list[Damper]:  # fmt: skip
     """The damper, if there is one, checked to go with the route and the vehicle."""
     if damper is None:
         return []
     from bridgectl.dampers.actuator import as_damper, bare_vehicle
 
+    require_springs(vehicle, "crossings with a damper")
+    if motions:
+        raise ValueError(f"damper goes with a constant speed: got {motions[0]!r}, leave it out")
     if method != "propagator":
         raise ValueError(f"method must be 'propagator' with a damper, got {method!r}: leave it out")
     device, _ = as_damper(damper), bare_vehicle(vehicle)
@@ -377,16 +379,14 @@ def fitted(
 
 
 def _peaks(
-    run: Run,
-    crossings: list[Crossing],
-    speeds: FloatArray,
-    devices: list[Damper],
-    method: str,
-    progress: bool,
-) -> FloatArray:
+    run: Run, crossings: list[Crossing], speeds: FloatArray, motions: list[Motion],
+    devices: list[Damper], method: str, progress: bool,
+) -> FloatArray:  # fmt: skip
     """Peaks over their static ones, if they have any, by the engine that they need."""
     _checks.flag("progress", progress)
     _checks.choice("method", method, METHODS)
+    if motions:
+        return dafs_of_motions(run, crossings, motions, method, progress)
     for given in devices:
         resolved = [given.resolved(crossing) for crossing in crossings]
         crossings, device = [crossing for crossing, _ in resolved], resolved[0][1]

@@ -14,7 +14,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl._progress import track
 from bridgectl._units import to_kmh
-from bridgectl.linear import runs
+from bridgectl.linear import reference, runs
 from bridgectl.linear.cells import SAMPLES, bridge_entry, sample_positions
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.fine import Refinement, pieces_of
@@ -32,24 +32,27 @@ def linear_response(
 
     Of shapes (m,), (n, m) and (n_tires, m). The propagator takes motions of constant speed alone.
     """
-    crossing, speed = run.crossing, np.array([motion.speed])
-    tail = (run.end - crossing.exit) / motion.speed
+    crossing, slowest = run.crossing, run.slowest(motion.speed)
+    speed, tail = np.array([slowest]), (run.end - crossing.exit) / slowest
     require_crossing(run, speed, tail=tail, refine=4)
-    nodes = run.nodes(motion.speed, refine=4)
+    nodes = run.nodes(slowest, refine=4)
     keep = np.arange(len(nodes))
     if asked is not None:
         nodes = merge_places(np.concatenate([asked, nodes]))
         keep = np.searchsorted(nodes, asked - SAME_PLACE)
     if method == "control":
-        states, forces = runs.simulate_reference(run, motion, nodes)
+        states, forces = reference.simulate_reference(run, motion, nodes)
     else:
         stretches = runs.propagate(run, speed, nodes)
         if not runs.lifts_off(crossing, stretches)[0]:
             return nodes[keep], *runs.at_nodes(crossing, stretches, keep)
-        flight = fly(run, motion.speed, nodes)
-        # The places of lift-offs and landings are among its nodes.
-        keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
-        nodes, states, forces = flight.nodes, flight.states, flight.forces
+        if run.plain:
+            flight = fly(run, motion.speed, nodes)
+            # The places of lift-offs and landings are among its nodes.
+            keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
+            nodes, states, forces = flight.nodes, flight.states, flight.forces
+        else:
+            states, forces = reference.simulate_reference(run, motion, nodes)
     place = runs.first_flight(nodes, forces)
     if place is not None:
         warn_of_flight(place)
@@ -85,9 +88,9 @@ def as_response(
         damper = np.zeros((len(crossing.linear.damper_map), len(positions)))
     return control.TimeResponseData(
         motion.time(positions),
-        crossing.outputs(positions, states, forces, damper),
+        crossing.outputs(positions, states, forces, damper, motion.accelerations(positions)),
         states,
-        np.vstack([run.road(positions).T, damper]),
+        np.vstack([run.road_inputs(motion, positions), damper]),
         issiso=False,
         output_labels=crossing.output_labels,
         state_labels=crossing.state_labels,
@@ -125,7 +128,7 @@ def linear_dafs(
             )  # fmt: skip
             result[batch] = find_peaks(samples.T, between).values
             linear[batch] = ~runs.lifts_off(crossing, stretches)
-    simulate = _flying_peak if method == "propagator" else _reference_peak
+    simulate = _flying_peak if run.plain and method == "propagator" else _reference_peak
     flights = {}
     flying = np.nonzero(~linear)[0]
     for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
@@ -145,11 +148,12 @@ def _flying_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
 
 def _reference_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
     """The same by the reference route."""
-    nodes = run.nodes(speed)
-    positions = sample_positions(nodes)
-    states, forces = runs.simulate_reference(run, Motion(speed), positions)
-    effect = run.crossing.values(positions, states.T, forces.T)
-    return _peak(effect, nodes), runs.first_flight(positions, forces)
+    nodes, motion = run.nodes(speed), run.motion or Motion(speed)
+    positions = sample_positions(nodes, run.motion)
+    states, forces = reference.simulate_reference(run, motion, positions)
+    effect = reference.reference_samples(run, motion, nodes, states, forces)
+    peak = float(find_peaks(effect[:, np.newaxis]).values[0])
+    return peak, runs.first_flight(positions, forces)
 
 
 def _peak(samples: FloatArray, nodes: FloatArray) -> float:

@@ -104,6 +104,7 @@ class Effect(ABC):
         states: FloatArray,
         forces: FloatArray,
         damper: FloatArray | float = 0.0,
+        accelerations: FloatArray | float = 0.0,
     ) -> FloatArray:
         """Return the effect at m places of the vehicle.
 
@@ -115,6 +116,8 @@ class Effect(ABC):
             Positions of the tires [m].
         states, forces, damper : ndarray, shapes (n, m), (n_tires, m), (n_dampers, m)
             States [m, m/s], tire forces [N] and forces of controlled dampers [N].
+        accelerations : ndarray, shape (m,), optional
+            Accelerations of the motion along the road [m/s^2].
 
         Returns
         -------
@@ -122,6 +125,7 @@ class Effect(ABC):
             In the effect's unit [N m, m, N, ...].
         """
         values = self._rows(bridge, vehicle, tires).values(states.T, forces.T)
+        values = values + self._per_acceleration(vehicle) * accelerations
         return values + np.dot(self._per_damper(vehicle), damper) if np.any(damper) else values
 
     def kinks(self, bridge: BridgeModel) -> FloatArray:
@@ -204,6 +208,10 @@ class Effect(ABC):
     def _static_places(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
         """Places of the tires, (n, n_tires), among which the static peak is."""
         return -vehicle.tire_offsets[np.newaxis]
+
+    def _per_acceleration(self, vehicle: Vehicle) -> float:
+        """What the vehicle's acceleration along the road adds [effect's unit per m/s^2]."""
+        return 0.0
 
     def _per_damper(self, vehicle: Vehicle) -> FloatArray:
         """Gain on the forces of controlled dampers, shape (n_dampers,)."""

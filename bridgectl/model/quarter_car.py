@@ -12,6 +12,7 @@ from scipy.linalg import block_diag
 
 from bridgectl import _checks
 from bridgectl._plausible import judge_quarter_car
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.vehicle import Vehicle
 
 
@@ -28,14 +29,12 @@ class QuarterCar:
     damping : float
         Passive damping coefficient C of the suspension [N s/m].
     tire_damping : float, optional
-        Only 0, see `Vehicle`.
+        Damping of the tire [N s/m].
 
     Raises
     ------
     TypeError, ValueError
         If a parameter is not a number or out of range; the message names it.
-    NotImplementedError
-        If `tire_damping` is not 0.
 
     Warns
     -----
@@ -71,15 +70,19 @@ class QuarterCar:
             object.__setattr__(self, name, value)
         damping = _checks.not_negative("damping", self.damping, unit="N s/m")
         object.__setattr__(self, "damping", damping)
+        in_tire = _checks.not_negative("tire_damping", self.tire_damping, unit="N s/m")
+        object.__setattr__(self, "tire_damping", in_tire)
         _ = self.linear  # so that its checks speak here, not at the first crossing
         judge_quarter_car(self)
 
     def __repr__(self) -> str:
+        in_tire = f", tire_damping={self.tire_damping:g} N s/m" if self.tire_damping else ""
         return (
             f"QuarterCar(sprung_mass={self.sprung_mass:g} kg, "
             f"unsprung_mass={self.unsprung_mass:g} kg, "
             f"suspension_stiffness={self.suspension_stiffness:g} N/m, "
-            f"tire_stiffness={self.tire_stiffness:g} N/m, damping={self.damping:g} N s/m)"
+            f"tire_stiffness={self.tire_stiffness:g} N/m, damping={self.damping:g} N s/m"
+            f"{in_tire})"
         )
 
     @cached_property
@@ -111,7 +114,32 @@ def require_quarter_car(
             f"{name} must be a QuarterCar, got {type(vehicle).__name__}: {why}, type for example "
             "bridgectl.li2006.car()"
         )
+    require_springs(vehicle, "closed loops, scores, closed forms and animations")
     return vehicle
+
+
+def require_springs(vehicle: Vehicle | QuarterCar, what: str) -> None:
+    """Refuse tires with damping where they are springs alone."""
+    if vehicle.linear.tire_damping.any():
+        raise ValueError(
+            f"tire_damping must be 0 in {what}, where tires are springs alone, got "
+            f"{vehicle.linear.tire_damping} N s/m: leave it out"
+        )
+
+
+def require_pair(beam: object, vehicle: object) -> None:
+    """Refuse what is no bridge and vehicle."""
+    if not isinstance(beam, BridgeModel):
+        raise TypeError(
+            f"beam must be a bridgectl.Beam, got {type(beam).__name__}: type for example "
+            "bridgectl.Beam(25, 18358, 4.865e10), and the vehicle after it"
+        )
+    if not isinstance(vehicle, Vehicle | QuarterCar):
+        raise TypeError(
+            "vehicle must be a bridgectl.Vehicle or QuarterCar, "
+            f"got {type(vehicle).__name__}: type for example "
+            "bridgectl.QuarterCar(9000, 1000, 80e3, 1.8e6, 7e3), after the beam"
+        )
 
 
 def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -> Vehicle:
@@ -176,4 +204,6 @@ def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -
         damper_names=[
             f"{name}_{i}" for i, car in enumerate(members, start=1) for name in car.damper_names
         ],
+        tire_damping=np.concatenate([car.tire_damping for car in members]),
+        pitch_input=np.concatenate([car.pitch_input for car in members]),
     )

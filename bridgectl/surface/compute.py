@@ -15,8 +15,9 @@ from bridgectl._progress import track
 from bridgectl._warn import warn
 from bridgectl.linear.cells import Cells, bridge_entry, sample_positions
 from bridgectl.linear.lift_off import LiftOffWarning
+from bridgectl.linear.reference import reference_effect
 from bridgectl.linear.response import linear_dafs
-from bridgectl.linear.runs import Run, prepare, reference_effect
+from bridgectl.linear.runs import Run, prepare
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
 from bridgectl.road import RoadProfile
@@ -126,7 +127,8 @@ def linear_surface(
     ramps = ramps[..., :: grid.every]
     vehicle = crossing.linear
     if vehicle.n_tires == 1:  # of several tires, lift-off is looked for in roads alone
-        force = LIFTING * vehicle.tire_stiffnesses[0] * grid.height
+        rate = vehicle.tire_lags[0] * float(speeds.max()) / grid.length
+        force = LIFTING * vehicle.tire_stiffnesses[0] * (1 + rate) * grid.height
         if force > vehicle.static_loads[0]:
             _fly(run, speeds, grid, ramps, progress)
     return grid.surface(crossing, speeds, smooth, ramps, histories)
