@@ -25,8 +25,9 @@ from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
 from bridgectl.model.effects import NamedEffects
-from bridgectl.model.motion import Motion, Speeds, as_motion, given_speeds
+from bridgectl.model.motion import Motion, Speeds, as_motion
 from bridgectl.model.quarter_car import QuarterCar, require_springs
+from bridgectl.model.traffic import require_row
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
 from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, linear_surface, ramp_grid
@@ -117,6 +118,7 @@ def crossing_response(
     """
     motion = as_motion(speed)
     crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
+    crossing.paths.require(motion)
     _checks.choice("method", method, METHODS)
     devices = fitted(damper, vehicle, method, [] if motion.uniform else [motion])
     run = begin(crossing, profile, start, motion.speed, motion)
@@ -192,8 +194,8 @@ def daf(
     >>> bc.daf(beam, car, [50 / 3.6, 110 / 3.6], recovery="li2006").round(4)
     array([1.0551, 1.1302])
     """
-    c, motions = given_speeds(speeds)
     crossings = crossings_of(effect, beam, vehicle, section, recovery)
+    c, motions = crossings[0].paths.given(speeds)
     for crossing in crossings:
         require_factor(crossing)
     run, devices = begin(crossings[0], profile, start, c), fitted(damper, vehicle, method, motions)
@@ -251,8 +253,8 @@ def peak_effect(
     >>> bc.peak_effect(beam, car, 30.0, effect=bc.Deflection(sense="smallest")).round(5)
     array([-5.e-05])
     """
-    c, motions = given_speeds(speeds)
     crossings = crossings_of(effect, beam, vehicle, section, recovery)
+    c, motions = crossings[0].paths.given(speeds)
     run, devices = begin(crossings[0], profile, start, c), fitted(damper, vehicle, method, motions)
     judge_crossing(crossings[0], c, profile)
     judge_range(vehicle, *devices)
@@ -343,6 +345,7 @@ def ramp_surface(
     _checks.choice("method", method, METHODS)
     _checks.flag("progress", progress)
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    crossing.paths.require_steady(c)
     require_factor(crossing, unless_none=True)
     grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every)
     judge_crossing(crossing, c)
@@ -369,6 +372,7 @@ def fitted(
         return []
     from bridgectl.dampers.actuator import as_damper, bare_vehicle
 
+    require_row(vehicle, "crossings with a damper")
     require_springs(vehicle, "crossings with a damper")
     if motions:
         raise ValueError(f"damper goes with a constant speed: got {motions[0]!r}, leave it out")

@@ -56,12 +56,15 @@ def _judge_start(run: Run, fastest: float) -> None:
     That tells whether what is not known counts, for the vehicle stands still there and has come
     along in truth: a level road instead of a known one, the mirror image ahead of an unknown one.
     """
-    vehicle, way = run.crossing.linear, -run.start
+    vehicle, way, paths = run.crossing.linear, -run.start, run.crossing.paths
     if run.profile is None or way == 0 or vehicle.n_tires == 1:
         return
-    offsets = vehicle.tire_offsets
-    known = run.start - offsets >= run.profile.x[0] - SAME_PLACE
-    other = np.where(known, 0.0, run.profile.drop(run.start + offsets, run.start))
+    tires = run.crossing.tire_positions(run.start)
+    fronts = tires + paths.signs * paths.offsets
+    ahead, level = (run.profile.drop(x, run.datum) for x in (2 * fronts - tires, fronts))
+    at, signs = run.profile.x, paths.signs
+    known = signs * tires >= np.where(signs > 0, at[0], -at[-1]) - SAME_PLACE
+    other = np.where(known, level, ahead)
     changes = vehicle.tire_stiffnesses * (other - run.road(np.array(run.start)))
     matrix = vehicle.state_matrix_on_tires()
     state = vehicle.flexibility @ (vehicle.tire_map.T @ changes)

@@ -13,6 +13,7 @@ from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.traffic import paths_of
 from bridgectl.model.vehicle import Vehicle
 
 NO_FACTOR = 1e-9
@@ -94,7 +95,7 @@ class Effect(ABC):
         -------
         EffectRows
         """
-        return self._rows(bridge, vehicle, tires)
+        return self._in_lanes(vehicle, self._rows(bridge, vehicle, tires))
 
     def history(
         self,
@@ -124,7 +125,7 @@ class Effect(ABC):
         ndarray, shape (m,)
             In the effect's unit [N m, m, N, ...].
         """
-        values = self._rows(bridge, vehicle, tires).values(states.T, forces.T)
+        values = self.rows(bridge, vehicle, tires).values(states.T, forces.T)
         values = values + self._per_acceleration(vehicle) * accelerations
         return values + np.dot(self._per_damper(vehicle), damper) if np.any(damper) else values
 
@@ -170,7 +171,7 @@ class Effect(ABC):
         """
         linear, places = vehicle.linear, np.asarray(x, dtype=np.float64)
         effect = self._on(bridge, linear)
-        return effect._static(bridge, linear, places[..., np.newaxis] - linear.tire_offsets)
+        return effect._static(bridge, linear, paths_of(linear).places(places, bridge.length))
 
     def static_peak(self, bridge: BridgeModel, vehicle: Vehicle) -> float:
         """Largest or smallest value as the vehicle creeps across; 0 where there is none.
@@ -208,6 +209,10 @@ class Effect(ABC):
     def _static_places(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
         """Places of the tires, (n, n_tires), among which the static peak is."""
         return -vehicle.tire_offsets[np.newaxis]
+
+    def _in_lanes(self, vehicle: Vehicle, rows: EffectRows) -> EffectRows:
+        """Rows with what lanes take off the tire forces: nothing, but of effects of a bridge."""
+        return rows
 
     def _per_acceleration(self, vehicle: Vehicle) -> float:
         """What the vehicle's acceleration along the road adds [effect's unit per m/s^2]."""
