@@ -345,9 +345,10 @@ def ramp_surface(
     _checks.choice("method", method, METHODS)
     _checks.flag("progress", progress)
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
-    crossing.paths.require_steady(c)
+    crossing.paths.require_alike()
     require_factor(crossing, unless_none=True)
-    grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every)
+    beyond = crossing.paths.beyond()
+    grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every, beyond)
     judge_crossing(crossing, c)
     require_surface(crossing, c, grid.approach, grid.length, method)
     if method == "control":

@@ -84,7 +84,7 @@ class Run(NamedTuple):
     def initial(self) -> FloatArray:
         """States at the start: the vehicle at rest on the road under each axle, the bridge too."""
         vehicle, state = self.crossing.linear, np.zeros(self.crossing.n_states)
-        if self.profile is None or vehicle.n_tires == 1:
+        if self.profile is None or (vehicle.n_tires == 1 and not self.crossing.paths.opposite[0]):
             return state
         road = self.road(np.array(self.start))
         forces = vehicle.tire_map.T @ (vehicle.tire_stiffnesses * road)
@@ -200,12 +200,20 @@ def prepare(
                 f"profile must be a bridgectl.RoadProfile, got {type(profile).__name__}: "
                 "type RoadProfile(x, elevation) or read_profile(path), and one road at a time"
             )
-        profile.require(*crossing.paths.covered(start, crossing.beam.length), "the crossing")
+        first = crossing.paths.covered(start, crossing.beam.length)[0]
+        profile.require(first, crossing.beam.length, "the crossing")
         warn_if_coarse(profile, "dynamic amplification", pieces=pieces)
     if isinstance(crossing.linear, Traffic) and crossing.paths.motions:
         x = np.linspace(start, crossing.exit, LOOKED_AT)
         crossing.linear.require_apart(x, crossing.beam.length)
     return Run(crossing, start, crossing.exit, profile)
+
+
+def require_beyond(run: Run) -> None:
+    """Refuse a road that does not reach to where vehicles from the other end start."""
+    if run.profile is not None:
+        needed = run.crossing.paths.covered(run.start, run.crossing.beam.length)
+        run.profile.require(*needed, "the crossing, with vehicles from the other end,")
 
 
 def moving(run: Run, motion: Motion) -> Run:

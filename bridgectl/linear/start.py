@@ -9,7 +9,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
 from bridgectl._plausible import PlausibilityWarning
 from bridgectl._warn import warn
-from bridgectl.linear.runs import Run, moving, prepare
+from bridgectl.linear.runs import Run, moving, prepare, require_beyond
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
 from bridgectl.model.vehicle import Vehicle
@@ -31,6 +31,7 @@ def begin(
 ) -> Run:
     """Check a crossing, see `prepare`, and judge its start."""
     run = prepare(crossing, profile, start)
+    require_beyond(run)
     if motion is not None:
         run = moving(run, motion)
     _require_contact(run)

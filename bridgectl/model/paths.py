@@ -141,6 +141,18 @@ class Paths:
         fronts = self.places(x, length)[(self.offsets == 0) & (self.signs < 0)]
         return 0.0 if self.opposite.all() else x, max([length, *fronts.tolist()])
 
+    def beyond(self) -> float | None:
+        """How far from the bridge vehicles from the other end are as the first enters it [m]."""
+        return float(self.distances[self.opposite].max()) if self.opposite.any() else None
+
+    def require_alike(self) -> None:
+        """Refuse vehicles with motions of their own."""
+        if self.motions:
+            raise ValueError(
+                "motions must be left out of convoy(...) in ramp surfaces, where all vehicles are "
+                "as fast as the first"
+            )
+
     def require(self, motion: Motion) -> None:
         """Refuse another motion than that of the first vehicle, if vehicles have their own."""
         if self.motions and motion != self.motions[0]:
