@@ -21,6 +21,7 @@ from bridgectl._warn import asker, warn
 Beam: TypeAlias = Any
 Crossing: TypeAlias = Any
 Damper: TypeAlias = Any
+Fitted: TypeAlias = Any
 QuarterCar: TypeAlias = Any
 RoadProfile: TypeAlias = Any
 Vehicle: TypeAlias = Any
@@ -61,9 +62,6 @@ STIFFER_SPRING = 6.0
 
 SUSPENSION_DAMPING = (1e-3, 4.0)
 """Damping ratios of a body on its suspension that are not 0, with room."""
-
-TIRE_DAMPING = (1e-3, 1.0)
-"""Damping ratios of an axle on its tire that are not 0, with room."""
 
 STEEL_WHEEL = 1e8
 """Stiffness [N/m] above which a tire is the contact of a wheel with its rail, or a rigid one."""
@@ -146,8 +144,9 @@ def judge_damper(damper: Damper) -> None:
     _tell(_damper_doubts(damper))
 
 
-def judge_range(car: QuarterCar, *dampers: Damper) -> None:
+def judge_range(car: Vehicle | QuarterCar, *devices: Fitted | None) -> None:
     """Warn of dampings that are nothing, or all, beside what a vehicle needs."""
+    dampers = (damper for each in devices if each is not None for damper in each.dampers)
     _tell(chain.from_iterable(_range_doubts(car, damper) for damper in dampers))
 
 
@@ -305,14 +304,6 @@ def _quarter_car_doubts(car: QuarterCar) -> Iterator[str]:
             f"damping = {damping:g} N s/m is {damping / critical:.2g} of the suspension's critical "
             f"damping, {critical:.3g} N s/m: {remedy}"
         )
-    own, critical = car.tire_damping, 2 * float(np.sqrt(tire * axle))
-    if own > 0 and not TIRE_DAMPING[0] <= own / critical <= TIRE_DAMPING[1]:
-        remedy = f"for {own:g} kN s/m type tire_damping={1000 * own:g}"
-        yield (
-            f"tire_damping = {own:g} N s/m is {own / critical:.2g} of the critical damping of the "
-            f"axle on its tire, {critical:.3g} N s/m: "
-            f"{remedy if own < critical else 'tires have 1e3 to 2e4 N s/m'}"
-        )
 
 
 def _damper_doubts(damper: Damper) -> Iterator[str]:
@@ -339,9 +330,18 @@ def _damper_doubts(damper: Damper) -> Iterator[str]:
         yield f"travel_noise = {loose:g} m hides all: for {loose:g} mm type {loose / 1e3:g}"
 
 
-def _range_doubts(car: QuarterCar, damper: Damper) -> Iterator[str]:
+def _critical(vehicle: Vehicle | QuarterCar) -> float:
+    """Critical damping of a suspension [N s/m]; of a vehicle about that of its stiffest."""
+    linear = vehicle.linear
+    mass = getattr(vehicle, "sprung_mass", linear.mass / len(linear.damper_map))
+    axles = linear.damper_axles
+    springs = ((axles @ linear.stiffness_matrix) * axles).sum(axis=1)
+    return 2 * float(np.sqrt(springs.max() * mass))
+
+
+def _range_doubts(car: Vehicle | QuarterCar, damper: Damper) -> Iterator[str]:
     largest = damper.strategy.c_max
-    critical = 2 * float(np.sqrt(car.suspension_stiffness * car.sprung_mass))
+    critical = _critical(car)
     judged, remedy = "", ""
     if 0 < largest < SUSPENSION_DAMPING[0] * critical:
         judged, remedy = "nothing", f"for {largest:g} kN s/m type {1000 * largest:g}"

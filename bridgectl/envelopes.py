@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from bridgectl._checks import choice
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
-from bridgectl.dampers import Damper, Strategy
+from bridgectl.dampers.fitted import Dampers, Fitted
 from bridgectl.dampers.loop.damped import damped_response
 from bridgectl.linear.cells import bridge_entry, sample_positions
 from bridgectl.linear.envelope import QUANTITIES, Envelope, envelope_of, places_of
@@ -24,7 +24,7 @@ from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
-from bridgectl.simulate import fitted
+from bridgectl.simulate import fitted_to
 
 
 @on_one_thread
@@ -38,7 +38,7 @@ def envelope(
     at: ArrayLike | None = None,
     start: float = 0.0,
     recovery: str = "exact",
-    damper: Damper | Strategy | None = None,
+    damper: Dampers | None = None,
 ) -> Envelope:
     """Find the extremes of moment, shear or deflection at every place of a bridge in a crossing.
 
@@ -90,18 +90,18 @@ def envelope(
     run = begin(crossing, profile, start, c)
     judge_crossing(crossing, c, profile)
     require_crossing(run, np.array([c]))
-    devices, simulate = fitted(damper, vehicle), None
-    judge_range(vehicle, *devices)
-    for given in devices:
-        crossing, device = given.resolved(crossing)
+    devices, simulate = fitted_to(damper, vehicle), None
+    judge_range(vehicle, devices)
+    if devices is not None:
+        crossing, left = devices.resolved(crossing)
         run = run._replace(crossing=crossing)
-        simulate = None if device is None else partial(_damped, speed=c, damper=device)
+        simulate = None if left is None else partial(_damped, speed=c, dampers=left)
     return envelope_of(run, c, quantity, recovery, places, simulate)
 
 
-def _damped(run: Run, speed: float, damper: Damper) -> Samples:
+def _damped(run: Run, speed: float, dampers: Fitted) -> Samples:
     """The samples of a crossing with a damper that is not constant."""
     nodes = run.nodes(speed)
     nodes = nodes[bridge_entry(nodes) :]
-    _, _, states, forces, _ = damped_response(run, speed, damper, sample_positions(nodes))
+    _, _, states, forces, _ = damped_response(run, speed, dampers, sample_positions(nodes))
     return Samples(nodes, states, forces)

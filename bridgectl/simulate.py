@@ -34,7 +34,7 @@ from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, linear_surface, 
 from bridgectl.surface.surface import RampSurface
 
 if TYPE_CHECKING:  # dampers, which bring CasADi, are imported late
-    from bridgectl.dampers import Damper, Strategy
+    from bridgectl.dampers.fitted import Dampers, Fitted
 
 
 @on_one_thread
@@ -51,15 +51,14 @@ def crossing_response(
     effects: NamedEffects = (),
     static: bool = False,
     method: str = "propagator",
-    damper: Damper | Strategy | None = None,
+    damper: Dampers | None = None,
     tail: float = 0.0,
     timepts: ArrayLike | None = None,
 ) -> control.TimeResponseData:
     """Simulate one crossing.
 
     Time is zero when the reference tire is at the start of the bridge. At `start` the vehicle is
-    at rest on the road under each of its axles, level before the profile: crop the profile there
-    for one that is level under all axles.
+    at rest on the road under each axle, level before the profile: crop that for a level start.
 
     Parameters
     ----------
@@ -78,8 +77,10 @@ def crossing_response(
         Where the reference tire starts [m]: 0, or negative for a start on the approach.
     method : {'propagator', 'control'}, optional
         The fast path, or `control.input_output_response` with tight tolerances.
-    damper : bridgectl.dampers.Damper or Strategy, optional
-        A semi-active damper in place of the vehicle's own, at constant speed.
+    damper : bridgectl.dampers.Damper or Strategy, or a list or dict of them, optional
+        Semi-active dampers in place of the vehicle's own (`damper_dampings`): one for all, a list
+        of one for each (None for a passive one that stays), or some by `Vehicle.damper_names`. At
+        constant speed, and with a road that is level before `start`.
     tail : float, optional
         Time of free vibration after the last tire has left the bridge [s].
     timepts : array_like, optional
@@ -89,8 +90,7 @@ def crossing_response(
     Returns
     -------
     control.TimeResponseData
-        Outputs and inputs as in `crossing_system`: 'moment' (over the peak static moment),
-        'deflection' [m], 'tire_force' [N], ...
+        Outputs and inputs as in `crossing_system`: 'moment' over the static peak, ...
 
     Raises
     ------
@@ -120,19 +120,19 @@ def crossing_response(
     crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
     crossing.paths.require(motion)
     _checks.choice("method", method, METHODS)
-    devices = fitted(damper, vehicle, method, [] if motion.uniform else [motion])
-    run = begin(crossing, profile, start, motion.speed, motion)
+    devices = fitted_to(damper, vehicle, method, [] if motion.uniform else [motion])
+    run = begin(crossing, profile, start, motion.speed, motion, level=devices is not None)
     judge_crossing(crossing, motion.speed, profile)
     after = _checks.not_negative("tail", tail, unit="s")
     run = run._replace(end=run.end_of_tail(motion, after))
     asked = None if timepts is None else motion.position(checked_times(timepts, run, motion))
-    if not devices:
+    if devices is None:
         return as_response(run, motion, *linear_response(run, motion, asked, method))
     from bridgectl.dampers.loop.damped import damped_response
 
-    judge_range(vehicle, *devices)
+    judge_range(vehicle, devices)
     places = np.zeros(0) if asked is None else asked
-    found = damped_response(run, motion.speed, devices[0], places)
+    found = damped_response(run, motion.speed, devices, places)
     return as_response(found[0], motion, *found[1:])
 
 
@@ -148,7 +148,7 @@ def daf(
     recovery: str = "exact",
     effect: Effect | str | Sequence[Effect | str] = "moment",
     method: str = "propagator",
-    damper: Damper | Strategy | None = None,
+    damper: Dampers | None = None,
     progress: bool = True,
 ) -> FloatArray:
     """Dynamic amplification factor: the peak moment, or other effect, over its static peak.
@@ -198,9 +198,10 @@ def daf(
     c, motions = crossings[0].paths.given(speeds)
     for crossing in crossings:
         require_factor(crossing)
-    run, devices = begin(crossings[0], profile, start, c), fitted(damper, vehicle, method, motions)
+    devices = fitted_to(damper, vehicle, method, motions)
+    run = begin(crossings[0], profile, start, c, level=devices is not None)
     judge_crossing(crossings[0], c, profile)
-    judge_range(vehicle, *devices)
+    judge_range(vehicle, devices)
     found = _peaks(run, crossings, c, motions, devices, method, progress)
     return found if isinstance(effect, list | tuple) else found[0]
 
@@ -217,7 +218,7 @@ def peak_effect(
     recovery: str = "exact",
     effect: Effect | str | Sequence[Effect | str] = "moment",
     method: str = "propagator",
-    damper: Damper | Strategy | None = None,
+    damper: Dampers | None = None,
     progress: bool = True,
 ) -> FloatArray:
     """Peak of an effect, in its own unit, whether or not static loads give it one.
@@ -255,9 +256,10 @@ def peak_effect(
     """
     crossings = crossings_of(effect, beam, vehicle, section, recovery)
     c, motions = crossings[0].paths.given(speeds)
-    run, devices = begin(crossings[0], profile, start, c), fitted(damper, vehicle, method, motions)
+    devices = fitted_to(damper, vehicle, method, motions)
+    run = begin(crossings[0], profile, start, c, level=devices is not None)
     judge_crossing(crossings[0], c, profile)
-    judge_range(vehicle, *devices)
+    judge_range(vehicle, devices)
     found = _peaks(run, crossings, c, motions, devices, method, progress)
     found *= np.array([[crossing.static_peak or 1.0] for crossing in crossings])
     return found if isinstance(effect, list | tuple) else found[0]
@@ -278,7 +280,7 @@ def ramp_surface(
     recovery: str = "exact",
     effect: Effect | str = "moment",
     method: str = "propagator",
-    damper: Damper | Strategy | None = None,
+    damper: Dampers | None = None,
     progress: bool = True,
 ) -> RampSurface:
     """Compute the DAF of a unit ramp at every place, for every speed: Fig. 5 of the paper.
@@ -302,9 +304,9 @@ def ramp_surface(
         Take a ramp at every so many-th place alone, and straight lines between.
     method : {'propagator', 'control'}, optional
         All ramps from one propagation, or one `control.input_output_response` for each.
-    damper : bridgectl.dampers.Damper or Strategy, optional
-        A damper in place of the vehicle's own. Responses of a semi-active one do not superpose: the
-        surface has a DAE, an estimate twice over, and no superposed DAF.
+    damper : bridgectl.dampers.Damper or Strategy, or a list or dict of them, optional
+        See `crossing_response`. Responses of a semi-active one do not superpose: the surface has a
+        DAE, an estimate twice over, and no superposed DAF.
     progress : bool, optional
         Whether 'control' shows a progress bar on a terminal.
 
@@ -353,25 +355,25 @@ def ramp_surface(
     require_surface(crossing, c, grid.approach, grid.length, method)
     if method == "control":
         require_springs(vehicle, 'ramp surfaces by method="control"')
-    devices = fitted(damper, vehicle, method)
-    judge_range(vehicle, *devices)
-    for given in devices:
-        crossing, device = given.resolved(crossing)
-        if device is not None:
+    devices = fitted_to(damper, vehicle, method)
+    judge_range(vehicle, devices)
+    if devices is not None:
+        crossing, left = devices.resolved(crossing)
+        if left is not None:
             from bridgectl.dampers.loop.damped import damped_surface
 
-            return damped_surface(crossing, device, c, grid)
+            return damped_surface(crossing, left, c, grid, devices.name)
     return linear_surface(crossing, c, grid, method, progress)
 
 
-def fitted(
-    damper: Damper | Strategy | None, vehicle: Vehicle | QuarterCar, method: str = "propagator",
+def fitted_to(
+    damper: Dampers | None, vehicle: Vehicle | QuarterCar, method: str = "propagator",
     motions: Sequence[Motion] = (),
-) -> list[Damper]:  # fmt: skip
-    """The damper, if there is one, checked to go with the route and the vehicle."""
+) -> Fitted | None:  # fmt: skip
+    """The dampers, if there are any, checked to go with the route and the vehicle."""
     if damper is None:
-        return []
-    from bridgectl.dampers.actuator import as_damper, bare_vehicle
+        return None
+    from bridgectl.dampers.fitted import fitted
 
     require_row(vehicle, "crossings with a damper")
     require_springs(vehicle, "crossings with a damper")
@@ -379,25 +381,24 @@ def fitted(
         raise ValueError(f"damper goes with a constant speed: got {motions[0]!r}, leave it out")
     if method != "propagator":
         raise ValueError(f"method must be 'propagator' with a damper, got {method!r}: leave it out")
-    device, _ = as_damper(damper), bare_vehicle(vehicle)
-    return [device]
+    return fitted(damper, vehicle)
 
 
 def _peaks(
     run: Run, crossings: list[Crossing], speeds: FloatArray, motions: list[Motion],
-    devices: list[Damper], method: str, progress: bool,
+    devices: Fitted | None, method: str, progress: bool,
 ) -> FloatArray:  # fmt: skip
     """Peaks over their static ones, if they have any, by the engine that they need."""
     _checks.flag("progress", progress)
     _checks.choice("method", method, METHODS)
     if motions:
         return dafs_of_motions(run, crossings, motions, method, progress)
-    for given in devices:
-        resolved = [given.resolved(crossing) for crossing in crossings]
-        crossings, device = [crossing for crossing, _ in resolved], resolved[0][1]
-        runs = [run._replace(crossing=crossing) for crossing in crossings]
-        if device is not None:
+    if devices is not None:
+        resolved = [devices.resolved(crossing) for crossing in crossings]
+        crossings, left = [crossing for crossing, _ in resolved], resolved[0][1]
+        if left is not None:
             from bridgectl.dampers.loop.damped import damped_dafs
 
-            return np.array([damped_dafs(each, device, speeds) for each in runs])
+            runs = [run._replace(crossing=crossing) for crossing in crossings]
+            return np.array([damped_dafs(each, left, speeds) for each in runs])
     return dafs_of_effects(run, crossings, speeds, method, progress)

@@ -1,7 +1,8 @@
-"""A crossing with a damper in the loop, written anew from the equations and integrated finely.
+"""A crossing with dampers in the loop, written anew from the equations and integrated finely.
 
-Nothing of the package takes part but the law: the equations of motion are written down here, and
-each lift-off, landing and limit of the damper's force is found as an event of the integration.
+Nothing of the package takes part but the laws: the equations of motion are written down here, and
+each lift-off, landing and limit of a damper's force is found as an event of the integration. Each
+leg of a vehicle has its own tire.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ import numpy as np
 from helpers import law_of_crossing
 from scipy.integrate import solve_ivp
 
+import bridgectl as bc
+
 G = 9.81
 
 MAX_STEP = 5e-4
@@ -21,140 +24,214 @@ FIRST_STEP = 1e-6
 """First step after an event [s]: where that was, its margin is of no sign."""
 
 
+class Parts:
+    """Matrices of a vehicle without the dampers that are controlled."""
+
+    def __init__(self, vehicle):
+        if isinstance(vehicle, bc.QuarterCar):
+            leg = np.array([[1.0, -1.0]])
+            self.mass = np.diag([vehicle.sprung_mass, vehicle.unsprung_mass])
+            self.damping, self.springs = 0 * self.mass, vehicle.suspension_stiffness * leg.T @ leg
+            self.tires, self.hubs = np.array([vehicle.tire_stiffness]), np.array([[0.0, 1.0]])
+            self.behind, self.legs, self.axles = np.zeros(1), leg, self.hubs
+            heave = np.ones(2)
+        else:
+            legs, own = vehicle.damper_map, np.diag(vehicle.damper_dampings)
+            self.mass, self.springs = vehicle.mass_matrix, vehicle.stiffness_matrix
+            self.damping = vehicle.damping_matrix - legs.T @ own @ legs
+            self.tires, self.hubs = vehicle.tire_stiffnesses, vehicle.tire_map
+            self.behind, self.legs, self.axles = vehicle.tire_offsets, legs, vehicle.damper_axles
+            heave = vehicle.heave
+        supported = self.springs + self.hubs.T @ np.diag(self.tires) @ self.hubs
+        sag = np.linalg.solve(supported, G * self.mass @ heave)
+        self.loads = self.tires * (self.hubs @ sag)
+        self.bodies, self.inverse = self.legs + self.axles, np.linalg.inv(self.mass)
+
+
 class FineLoop:
     """One crossing: `peak` is its DAF, `least` the least tire force over the static load.
 
-    `largest` is the largest tire force [N], `commands` are those of all samples [N s/m].
+    `largest` is the largest tire force [N], `commands` are those of all samples [N s/m], of one leg
+    numbers. The dampers have the same sample time; one is for all legs, or a list of one for each.
     """
 
-    def __init__(self, beam, car, damper, speed, road, tolerance=1e-9):
-        self.beam, self.car, self.damper, self.speed, self.road = beam, car, damper, speed, road
-        self.law = law_of_crossing(damper, beam, car, speed, road)
+    def __init__(self, beam, car, dampers, speed, road, tolerance=1e-9):
+        self.beam, self.speed, self.road = beam, speed, road
+        self.parts = Parts(car)
+        n_legs = len(self.parts.legs)
+        several = isinstance(dampers, list)
+        self.dampers = dampers if several else [dampers] * n_legs
+        self.laws = [
+            law_of_crossing(damper, beam, car, speed, road, leg)
+            for leg, damper in enumerate(self.dampers, 1)
+        ]
+        self.limits = np.array([damper.max_force for damper in self.dampers])
+        self.lags = np.array([damper.lag for damper in self.dampers])
         self.tolerance = tolerance
         j = np.arange(1, beam.n_modes + 1)
         self.wave = j * np.pi / beam.length
         self.omega2 = self.wave**4 * beam.flexural_rigidity / beam.mass_per_length
         self.damped = 2 * beam.damping_ratio * np.sqrt(self.omega2[0])
-        self.weight = (car.sprung_mass + car.unsprung_mass) * G
+        self.end = beam.length + self.parts.behind.max()
+        x = np.linspace(0, self.end, 100_001)
+        x = np.union1d(x, beam.length / 2 + self.parts.behind)
+        self.static = (self._line(x) * self.parts.loads[:, None]).sum(axis=0).max()
         self.peak, self.least, self.largest, self.commands = 0.0, 1.0, 0.0, []
         self._run()
 
+    def _places(self, x):
+        return x - np.multiply.outer(self.parts.behind, np.ones_like(x))
+
+    def _line(self, x):
+        """Moment at mid-span per tire force, (T, ...)."""
+        place = self._places(x)
+        return np.maximum(np.minimum(place, self.beam.length - place), 0) / 2
+
     def _shapes(self, x):
-        on_bridge = (x >= 0) & (x <= self.beam.length)
-        return np.sin(np.multiply.outer(self.wave, x)) * on_bridge
+        """Mode shapes under the tires, (modes, T, ...)."""
+        place = self._places(x)
+        on_bridge = (place >= 0) & (place <= self.beam.length)
+        return np.sin(np.multiply.outer(self.wave, place)) * on_bridge
 
     def _drop(self, x):
-        return self.road.elevation[0] - np.interp(x, self.road.x, self.road.elevation)
+        return self.road.elevation[0] - np.interp(self._places(x), self.road.x, self.road.elevation)
+
+    def _split(self, y):
+        n, m = len(self.parts.mass), len(self.wave)
+        return y[:n], y[n : 2 * n], y[2 * n : 2 * n + m], y[2 * n + m :]
 
     def _would_be(self, t, y):
-        """Tire force if it could pull [N]."""
-        x = self.speed * t
-        deflection = (self._shapes(x) * y[4::2]).sum(axis=0)
-        return self.weight + self.car.tire_stiffness * (y[2] - deflection - self._drop(x))
+        """Tire forces if they could pull [N], (T, ...)."""
+        x, parts, (u, _, q, _) = self.speed * t, self.parts, self._split(y)
+        deflection = (self._shapes(x) * np.expand_dims(q, 1)).sum(axis=0)
+        column = (..., *(None,) * (np.ndim(y) - 1))
+        closer = parts.hubs @ u - deflection - self._drop(x)
+        return parts.loads[column] + parts.tires[column] * closer
 
-    def _rates(self, t, y, tire, force):
-        car, beam = self.car, self.beam
-        spring = car.suspension_stiffness * (y[0] - y[2])
-        modal = 2 / (beam.mass_per_length * beam.length) * self._shapes(self.speed * t) * tire
-        rates = np.empty_like(y)
-        rates[0], rates[2], rates[4::2] = y[1], y[3], y[5::2]
-        rates[1] = -(spring + force) / car.sprung_mass
-        rates[3] = (spring + force - tire + self.weight) / car.unsprung_mass
-        rates[5::2] = modal - self.damped * y[5::2] - self.omega2 * y[4::2]
-        return rates
+    def _rates(self, t, y, tires, forces):
+        parts, beam, (u, v, q, p) = self.parts, self.beam, self._split(y)
+        modal = 2 / (beam.mass_per_length * beam.length) * (self._shapes(self.speed * t) @ tires)
+        pushing = (
+            parts.springs @ u + parts.damping @ v + parts.legs.T @ forces
+            + parts.hubs.T @ (tires - parts.loads)
+        )  # fmt: skip
+        return np.concatenate(
+            [v, -parts.inverse @ pushing, p, modal - self.damped * p - self.omega2 * q]
+        )
 
-    def _moment(self, t, y, tire):
-        """Static moment of the tire force less that of inertia and damping, over the static."""
-        length, half = self.beam.length, self.beam.length / 2
-        x = self.speed * t
-        static = tire * np.minimum(x, length - x) / 2
-        forced = 2 / length * self._shapes(x) * tire
-        inertia = forced - self.beam.mass_per_length * self.omega2[:, None] * y[4::2]
-        spread = (np.sin(self.wave * half) / self.wave**2)[:, None]
-        return (static - (spread * inertia).sum(axis=0)) / (self.weight * length / 4)
+    def _moment(self, t, y, tires):
+        """Static moment of the tire forces less that of inertia and damping, over the static."""
+        length, x = self.beam.length, self.speed * t
+        static = (self._line(x) * tires).sum(axis=0)
+        forced = 2 / length * (self._shapes(x) * tires).sum(axis=1)
+        inertia = forced - self.beam.mass_per_length * self.omega2[:, None] * self._split(y)[2]
+        spread = (np.sin(self.wave * length / 2) / self.wave**2)[:, None]
+        return (static - (spread * inertia).sum(axis=0)) / self.static
 
     def _run(self):
-        start, end = self.road.x[0] / self.speed, self.beam.length / self.speed
-        step = self.damper.sample_time
+        start, end = self.road.x[0] / self.speed, self.end / self.speed
+        step = self.dampers[0].sample_time
         samples = start + step * np.arange(int(np.ceil((end - start) / step - 1e-9)))
-        kinks = np.unique([*self.road.x, 0.0, self.beam.length / 2]) / self.speed
-        y, self.damping, before = np.zeros(4 + 2 * len(self.wave)), 0.0, self.weight
+        special = [*self.road.x, 0.0, self.beam.length / 2, self.beam.length]
+        kinks = np.unique(np.add.outer(special, self.parts.behind)) / self.speed
+        y = np.zeros(2 * (len(self.parts.mass) + len(self.wave)))
+        self.dampings, before = np.zeros(len(self.laws)), self.parts.loads
         for first, last in pairwise([*samples, end]):
-            tire = max(self._would_be(first, y), 0.0)
-            self._sample(first, y, tire, (tire - before) / step, first == samples[0])
-            before = tire
+            tires = np.maximum(self._would_be(first, y), 0.0)
+            self._sample(first, y, tires, (tires - before) / step, first == samples[0])
+            before = tires
             inside = kinks[(kinks > first + 1e-10) & (kinks < last - 1e-10)]
+            inside = inside[np.diff(inside, prepend=-np.inf) > 1e-10]
             for begin, stop in pairwise([first, *inside, last]):
                 y = self._smooth_road(begin, stop, y)
-            self.damping = self._lagging(last)
+            self.dampings = self._lagging(last)
 
-    def _sample(self, t, y, tire, rate, first):
-        rates = self._rates(t, y, tire, self._limited(self.damping * (y[1] - y[3])))
-        self.command = float(
-            self.law.command(
-                body_velocity=y[1], axle_velocity=y[3], suspension_travel=y[0] - y[2],
-                suspension_velocity=y[1] - y[3], body_acceleration=rates[1],
-                axle_acceleration=rates[3], tire_force=tire, tire_force_rate=rate,
-                position=self.speed * t, speed=self.speed,
-            )
+    def _sample(self, t, y, tires, rates, first):
+        parts, (u, v, *_) = self.parts, self._split(y)
+        forces = np.clip(self._wanted(self.dampings, y), -self.limits, self.limits)
+        a = self._rates(t, y, tires, forces)[len(u) : 2 * len(u)]
+        rows = zip(
+            self.laws, parts.bodies, parts.axles, parts.legs, tires, rates, parts.behind,
+            strict=True,
         )  # fmt: skip
-        self.commands.append(self.command)
+        self.command = np.array(
+            [
+                law.command(
+                    body_velocity=body @ v, axle_velocity=axle @ v, suspension_travel=leg @ u,
+                    suspension_velocity=leg @ v, body_acceleration=body @ a,
+                    axle_acceleration=axle @ a, tire_force=tire, tire_force_rate=rate,
+                    position=self.speed * t - behind, speed=self.speed,
+                )
+                for law, body, axle, leg, tire, rate, behind in rows
+            ]
+        )  # fmt: skip
+        self.commands.append(self.command if len(self.laws) > 1 else float(self.command[0]))
         self.sampled = t
-        if first or self.damper.lag == 0:
-            self.damping = self.command
+        jumps = (self.lags == 0) | first
+        self.dampings = np.where(jumps, self.command, self.dampings)
+
+    def _wanted(self, dampings, y):
+        return dampings * (self.parts.legs @ self._split(y)[1])
 
     def _lagging(self, t):
-        if self.damper.lag == 0:
-            return self.command
-        fading = np.exp(-(t - self.sampled) / self.damper.lag)
-        return self.command + (self.damping - self.command) * fading
+        late = np.where(self.lags > 0, self.lags, np.inf)
+        fading = np.where(self.lags > 0, np.exp(-(t - self.sampled) / late), 0.0)
+        return self.command + (self.dampings - self.command) * fading
 
-    def _limited(self, force):
-        return min(max(force, -self.damper.max_force), self.damper.max_force)
+    def _turn(self, i, sign):
+        """The event in which a tire leaves or meets the road."""
+
+        def margin(t, y):
+            return self._would_be(t, y)[i]
+
+        margin.terminal, margin.direction = True, sign
+        return margin
+
+    def _meet(self, i, side):
+        """The event in which a damper's force meets its limit, or comes back from it."""
+
+        def margin(t, y):
+            force = self._wanted(self._lagging(t), y)[i]
+            return side * force - self.limits[i] if side else self.limits[i] - abs(force)
+
+        margin.terminal, margin.direction = True, -1
+        return margin
 
     def _smooth_road(self, begin, stop, y):
         """From event to event."""
-        limit = self.damper.max_force
+        limits, limited = self.limits, np.flatnonzero(self.limits < np.inf)
 
         def wanted(t, y):
-            return self._lagging(t) * (y[1] - y[3])
+            return self._wanted(self._lagging(t), y)
 
         touching = self._would_be(begin, y) > 0
-        held = np.sign(wanted(begin, y)) * (abs(wanted(begin, y)) > limit)
+        held = np.sign(wanted(begin, y)) * (np.abs(wanted(begin, y)) > limits)
         while begin < stop:
 
-            def tire(t, y, touching=touching):
-                return self._would_be(t, y) if touching else 0.0
+            def rates(t, y, touching=touching, held=held):
+                tires = np.where(touching, self._would_be(t, y), 0.0)
+                at = np.where(held != 0, held, 0) * np.where(held != 0, limits, 0)
+                return self._rates(t, y, tires, np.where(held != 0, at, wanted(t, y)))
 
-            def force(t, y, held=held):
-                return held * limit if held else wanted(t, y)
-
-            def turns(t, y):
-                return self._would_be(t, y)
-
-            def meets(t, y, held=held):
-                return held * wanted(t, y) - limit if held else limit - abs(wanted(t, y))
-
-            turns.terminal, turns.direction = True, -1 if touching else 1
-            meets.terminal, meets.direction = True, -1
-            events = [turns] if limit == np.inf else [turns, meets]
+            events = [self._turn(i, -1 if on else 1) for i, on in enumerate(touching)]
+            events += [self._meet(i, held[i]) for i in limited]
             found = solve_ivp(
-                lambda t, y, tire=tire, force=force: self._rates(t, y, tire(t, y), force(t, y)),
-                (begin, stop), y, method="DOP853", rtol=self.tolerance,
+                rates, (begin, stop), y, method="DOP853", rtol=self.tolerance,
                 atol=self.tolerance * 1e-4, events=events, dense_output=True,
                 first_step=min(FIRST_STEP, stop - begin), max_step=MAX_STEP,
             )  # fmt: skip
             t = np.linspace(begin, found.t[-1], 201)
             states = found.sol(t)
-            tires = np.maximum(self._would_be(t, states), 0.0) * touching
-            self.least = min(self.least, tires.min() / self.weight)
+            tires = np.maximum(self._would_be(t, states), 0.0) * touching[:, None]
+            self.least = min(self.least, (tires / self.parts.loads[:, None]).min())
             self.largest = max(self.largest, tires.max())
             if t[0] >= -1e-12:
-                moment = self._moment(t, states, tires)
-                self.peak = max(self.peak, moment.max())
-            if len(found.t_events[0]):
-                touching = not touching
-            if limit < np.inf and len(found.t_events[1]):
-                held = 0.0 if held else np.sign(wanted(found.t[-1], found.y[:, -1]))
+                self.peak = max(self.peak, self._moment(t, states, tires).max())
+            met = [len(times) > 0 for times in found.t_events]
+            touching = touching ^ np.array(met[: len(touching)])
+            force = np.sign(wanted(found.t[-1], found.y[:, -1]))
+            for i, event in zip(limited, met[len(touching) :], strict=True):
+                if event:
+                    held[i] = 0.0 if held[i] else force[i]
             begin, y = found.t[-1], found.y[:, -1]
         return y

@@ -10,6 +10,7 @@ import numpy as np
 
 import bridgectl as bc
 from bridgectl.cli.main import main
+from bridgectl.dampers.actuator import bare_vehicle
 from bridgectl.dampers.block import CROSSING_OUTPUTS
 
 
@@ -63,11 +64,24 @@ def random_case(seed: int) -> dict:
     }
 
 
-def law_of_crossing(damper, beam, car, speed, road):
-    """The law at a speed, with the gains that are set for this crossing."""
-    crossing = bc.Crossing(beam, dataclasses.replace(car, damping=0.0))
+def without_dampers() -> bc.Vehicle:
+    """The paper's truck with a passive damper in whose place none can be put."""
+    truck = bc.li2006.car().linear
+    return dataclasses.replace(
+        truck, damper_map=np.zeros((0, 2)), damper_axles=None, damper_dampings=None,
+        damper_names=None,
+    )  # fmt: skip
+
+
+NO_DAMPERS = "vehicle must have dampers that can be controlled: type damper_map"
+"""What is told of it."""
+
+
+def law_of_crossing(damper, beam, car, speed, road, leg=1):
+    """The law at a speed and a leg, with the gains that are set for this crossing."""
+    crossing = bc.Crossing(beam, bare_vehicle(car))
     own = damper.strategy.gains_for(crossing, np.array([speed]), road.x, road.elevation[np.newaxis])
-    law = damper.strategy.for_speed(speed)
+    law = damper.strategy.for_leg(leg).for_speed(speed)
     return law.with_gains(**{name: float(value[0, 0]) for name, value in own.items()})
 
 

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from helpers import loop_of_the_control_library, rough_road
+from helpers import NO_DAMPERS, loop_of_the_control_library, rough_road, without_dampers
 
 import bridgectl as bc
 from bridgectl import dampers
@@ -195,7 +195,7 @@ def test_the_names_of_the_signals_are_those_of_the_crossing(bridge, truck):
 @pytest.mark.parametrize(
     ("change", "error", "message"),
     [
-        ({"vehicle": bc.convoy([bc.li2006.car()], [0])}, TypeError, "vehicle must be a QuarterCar"),
+        ({"vehicle": without_dampers()}, ValueError, NO_DAMPERS),
         ({"damper": "skyhook"}, TypeError, "strategy must be a Strategy"),
         ({"elevations": [0, 0]}, ValueError, "one value for each of the 3 stations"),
         ({"stations": [0, 10, 20]}, ValueError, "to the end of the bridge, 25 m"),

@@ -5,6 +5,7 @@ import dataclasses
 import control as ct
 import numpy as np
 import pytest
+from helpers import NO_DAMPERS, without_dampers
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import solve_continuous_lyapunov
@@ -147,7 +148,8 @@ def test_the_feedback_is_in_gains_that_can_be_changed(tmp_path):
         ({"damper_force": -1}, ValueError, "damper_force must be 0 or more"),
         ({"tire_deflection": "much"}, TypeError, "tire_deflection must be one number"),
         ({"dead_band": -1}, ValueError, "gain dead_band"),
-        ({"vehicle": TRUCK.linear}, TypeError, "vehicle must be a QuarterCar"),
+        ({"vehicle": 3}, TypeError, "vehicle must be a QuarterCar"),
+        ({"vehicle": without_dampers()}, ValueError, NO_DAMPERS),
         ({"c_min": STIFF, "c_max": SOFT}, ValueError, "c_min must not exceed c_max"),
     ],
 )

@@ -13,6 +13,7 @@ import pytest
 import bridgectl as bc
 from bridgectl.dampers import SIGNALS, Damper, Strategy, passive, simulate_loop
 from bridgectl.dampers.actuator import bare_vehicle
+from bridgectl.dampers.fitted import fitted
 from bridgectl.dampers.loop.batch_law import BatchLaw
 from bridgectl.dampers.loop.loop import Loop
 from bridgectl.road import iso8608_elevations
@@ -155,13 +156,14 @@ def test_alone_or_beside_others_in_any_order_a_crossing_is_the_same(name):
 def test_the_fast_way_of_roads_alike_until_their_ramp_is_that_of_roads_each_on_its_own():
     """Until a ramp begins its road has the memory of the level one, filled by the smooth bridge."""
     crossing = bc.Crossing(BEAM, bare_vehicle(CAR))
+    crossing = bc.Crossing(BEAM, bare_vehicle(CAR))
     places = np.array([20, 60, 90])
     level = np.zeros((1, X.size))
     roads = np.vstack([level, 5e-3 * (np.arange(X.size) > places[:, np.newaxis])])
     speeds = np.array([20.0, SPEED])
     begins = np.concatenate([[X[0]], X[places]])
     for law in (filtered(), delayed(3)):
-        run_of = (crossing, Damper(law), speeds, X, roads, HISTORIES, slice(0, 1))
+        run_of = (crossing, fitted(law, CAR), speeds, X, roads, HISTORIES, slice(0, 1))
         fast, slow = (Loop(*run_of, begins=given).run() for given in (begins, None))
         for name in ("daf", "least_force", "dissipated", "switches"):
             assert np.array_equal(getattr(fast, name), getattr(slow, name))
@@ -170,9 +172,18 @@ def test_the_fast_way_of_roads_alike_until_their_ramp_is_that_of_roads_each_on_i
 
 def test_with_preview_a_road_with_a_ramp_is_not_the_level_one_before_it():
     crossing = bc.Crossing(BEAM, bare_vehicle(CAR))
+    crossing = bc.Crossing(BEAM, bare_vehicle(CAR))
     roads = np.vstack([np.zeros((1, X.size)), 5e-3 * (X > 6)])
     found = [
-        Loop(crossing, Damper(looking()), np.array([SPEED]), X, roads, ("damping",), begins=begins)
+        Loop(
+            crossing,
+            fitted(looking(), CAR),
+            np.array([SPEED]),
+            X,
+            roads,
+            ("damping",),
+            begins=begins,
+        )
         for begins in (np.array([X[0], 6.0]), None)
     ]
     fast, slow = (loop.run() for loop in found)
@@ -229,8 +240,9 @@ def test_a_controller_of_ones_own_is_asked_at_every_sample_of_its_crossing():
 
     speeds = np.array([20.0, SPEED])
     crossing = bc.Crossing(BEAM, bare_vehicle(CAR))
-    loop = Loop(crossing, Damper(passive(7e3)), speeds, X, ROADS, ("damping",))
-    loop.controller = Counting()
+    crossing = bc.Crossing(BEAM, bare_vehicle(CAR))
+    loop = Loop(crossing, fitted(passive(7e3), CAR), speeds, X, ROADS, ("damping",))
+    loop.controllers = [Counting()]
     for histories in loop.run().histories:
         count = histories["damping"].shape[1]
         assert np.array_equal(histories["damping"], np.tile(2e3 + np.arange(count), (4, 1)))

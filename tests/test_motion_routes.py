@@ -1,12 +1,13 @@
 """Motions of constant acceleration by pieces: where they are, and crossings by them."""
 
+import json
 import re
 import warnings
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers import rough_road
+from helpers import rough_road, run_command
 from reference_trucks import (
     needs_reference,
     random_bridge,
@@ -158,6 +159,25 @@ def test_long_braking_moves_load_to_the_front_axle():
     assert last == pytest.approx([loads[0] + transfer, loads[1] - transfer], rel=1e-3)
 
 
+def test_trucks_from_parts_pitch_by_the_heights_of_their_bodies_and_have_their_tires_damping():
+    axles = [
+        bc.trucks.Axle(-2.0, 700, 4e5, 1.8e6, damping=12e3, tire_damping=5e3),
+        bc.trucks.Axle(3.0, 900, 6e5, 3.6e6, damping=15e3),
+    ]
+    trailer = [bc.trucks.Axle(x, 800, 6e5, 3.5e6, damping=1e4, tire_damping=1e4) for x in (2, 3.2)]
+    one = bc.trucks.Body(12000, 4e4, axles, height=1.4)
+    truck = bc.trucks.rigid(one)
+    assert dict(zip(truck.coordinates, truck.pitch_input, strict=True))["thB"] == 12000 * 1.4
+    assert truck.tire_damping.tolist() == [5e3, 0.0]
+    both = bc.trucks.articulated(one, bc.trucks.Body(2e4, 1e5, trailer, height=2.0), (2.5, -4.0))
+    pitch = dict(zip(both.coordinates, both.pitch_input, strict=True))
+    assert (pitch["thB1"], pitch["thB2"], pitch["yB1"]) == (12000 * 1.4, 4e4, 0.0)
+    assert both.tire_damping.tolist() == [5e3, 0.0, 1e4, 1e4]
+    slowing = bc.Motion(20.0, -4.0)
+    first = bc.TireForce()
+    assert bc.daf(BEAM, truck, slowing, start=-5, effect=first) > 1.05  # it dives
+
+
 def test_piecewise_motion_of_one_acceleration_is_the_motion_of_that():
     one = bc.daf(BEAM, TRUCK, bc.Motion(25.0, -2.0), start=-5)
     pieces = bc.Motion(25.0, [-2.0, -2.0, -2.0], [-2.0, 7.7])
@@ -219,3 +239,21 @@ def test_dampers_go_with_a_constant_speed():
         bc.crossing_response(BEAM, CAR, STOPPING, damper=bc.dampers.passive(5e3))
     uniform = bc.daf(BEAM, CAR, bc.Motion(25.0), damper=bc.dampers.passive(5e3))
     np.testing.assert_array_equal(uniform, bc.daf(BEAM, CAR, 25.0, damper=bc.dampers.passive(5e3)))
+
+
+def test_the_command_line_simulates_trucks_that_brake(capsys):
+    asked = ["dae", "--station", "678", "--speeds", "60,80", "--approach", "10", "--json"]
+    status, out, err = run_command(capsys, *asked, "--acceleration", "-3")
+    assert (status, err) == (0, "")
+    braking, uniform = json.loads(out), json.loads(run_command(capsys, *asked)[1])
+    assert braking["simulated_acceleration_m_per_s2"] == -3
+    assert braking["daf_superposed"] == uniform["daf_superposed"]
+    road = bc.utia_road().place_bridge(678).crop(-10, 25).detrend().resample(0.1)
+    motions = [bc.Motion(kmh / 3.6, [0, -3], [0]) for kmh in (60, 80)]
+    simulated = bc.daf(bc.li2006.beam(), bc.li2006.car(), motions, road, start=-10)
+    assert braking["daf_simulated"] == pytest.approx(simulated, abs=1e-9)
+    _, table, _ = run_command(capsys, *asked[:-1], "--acceleration", "-3")
+    assert "Simulated with -3 m/s^2 from the start of the bridge on" in table
+    status, _, err = run_command(capsys, *asked, "--acceleration", "-9")
+    assert status != 0
+    assert "acceleration must not bring the vehicle to rest on its way" in err

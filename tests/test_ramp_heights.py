@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import loop_of_the_control_library
+from helpers import NO_DAMPERS, loop_of_the_control_library, without_dampers
 from test_closed_loop import LAWS, random_loop
 
 import bridgectl as bc
@@ -206,7 +206,8 @@ def test_four_dampers_take_two_rows_and_flights_are_marked(bridge, truck):
         ({"ramp_height": "Z"}, ValueError, "one of 'A'"),
         ({"ramp_height": 13.0}, ValueError, "ramp_height must not exceed"),
         ({"damper": 7e3}, TypeError, r"type bridgectl\.dampers\.passive\(7e3\)"),
-        ({"vehicle": None}, TypeError, "vehicle must be a QuarterCar"),
+        ({"vehicle": None}, TypeError, "vehicle must be a bridgectl.Vehicle or QuarterCar"),
+        ({"vehicle": without_dampers()}, ValueError, NO_DAMPERS),
         ({"beam": 25.0}, TypeError, "beam"),
     ],
 )  # fmt: skip

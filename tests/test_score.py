@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from helpers import NO_DAMPERS, without_dampers
 from scipy import stats
 
 import bridgectl as bc
@@ -173,7 +174,7 @@ def test_an_interrupted_run_goes_on_where_it_stopped(roads, board, tmp_path, mon
     def interrupted(study, damper, first):
         if len(done) == 4:  # of each strategy there are roads, and their class
             raise KeyboardInterrupt
-        done.append(damper.strategy.name)
+        done.append(damper.name)
         return whole(study, damper, first)
 
     monkeypatch.setattr(scoring, "_part", interrupted)
@@ -278,7 +279,7 @@ def test_a_file_of_another_study_is_refused_with_what_differs(roads, tmp_path):
         ({"speeds": []}, ValueError, "speeds"),
         ({"workers": 0}, ValueError, "workers must be 1 or more"),
         ({"section": 2}, ValueError, "section must lie between 0 and 1"),
-        ({"vehicle": bc.convoy([bc.li2006.car()], [0])}, TypeError, "must be a QuarterCar"),
+        ({"vehicle": without_dampers()}, ValueError, NO_DAMPERS),
     ],
 )
 def test_each_mistake_is_named(roads, change, error, message):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import rough_road
+from helpers import NO_DAMPERS, rough_road, without_dampers
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
@@ -123,7 +123,8 @@ def test_a_tire_that_leaves_the_road_is_told(bridge, truck):
         ({"positions": [0, 0]}, ValueError, "positions must increase"),
         ({"dampings": [1e3]}, ValueError, "dampings must have one value for each of the 2"),
         ({"stations": [0, 25]}, ValueError, "elevations must have one value for each"),
-        ({"vehicle": 3}, TypeError, "vehicle must be a QuarterCar"),
+        ({"vehicle": 3}, TypeError, "vehicle must be a bridgectl.Vehicle or QuarterCar"),
+        ({"vehicle": without_dampers()}, ValueError, NO_DAMPERS),
     ],
 )
 def test_each_mistake_is_named(bridge, truck, changed, error, message):

@@ -122,7 +122,7 @@ DAMPER = [
     (skyhook, r"damper must be .*type skyhook\(1e3, 30e3\)"),
     (law, r'damper must be .*Strategy\("law", law, 1e3, 30e3\)'),
     ("skyhook", r"damper must be .*type bridgectl.dampers.skyhook\("),
-    ([PASSIVE], "damper must be .*got list"),
+    ([PASSIVE, PASSIVE], "damper must be .*type None in the list"),
 ]
 PROGRESS = [("no", "progress must be True or False"), (None, "progress must be True or False")]
 
@@ -196,10 +196,7 @@ SLIPS = {
             (0.13, r"damping = 0.13 N s/m.*for a ratio of 0.13 type damping=6.98e\+03"),
             (7e6, "damping = .*check that suspension_stiffness"), least="0 or more",
         ),
-        "tire_damping": slips_of_numbers(
-            "tire_damping", (5, "tire_damping = 5 N s/m.*for 5 kN s/m type tire_damping=5000"),
-            (5e6, "tire_damping = .*tires have 1e3 to 2e4 N s/m"), least="0 or more",
-        ),
+        "tire_damping": slips_of_numbers("tire_damping", least="0 or more"),
     },
     "daf": MODEL | {
         "speeds": SPEEDS, "profile": PROFILE, "start": START, "effect": EFFECT, "method": METHOD,

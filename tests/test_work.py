@@ -13,6 +13,7 @@ from bridgectl import _progress, _work
 from bridgectl._progress import track
 from bridgectl.dampers import Damper, passive, simulate_loop, skyhook
 from bridgectl.dampers.actuator import bare_vehicle
+from bridgectl.dampers.fitted import fitted
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.linear.estimates import require_crossing, require_surface
 from bridgectl.linear.runs import prepare
@@ -127,8 +128,8 @@ def test_what_studies_need_is_not_refused_and_takes_no_word(truck):
     stations = -60 + 0.1 * np.arange(851)
     bare = bc.Crossing(bc.li2006.beam(), bare_vehicle(truck))
     require_loop(
-        bare, [Damper(SKYHOOK)] * 20, speeds[::10], stations, 1000, n_ramps=850, n_recorded=3,
-        at_once=50, announced=False,
+        bare, [fitted(SKYHOOK, truck)] * 20, speeds[::10], stations, 1000, n_ramps=850,
+        n_recorded=3, at_once=50, announced=False,
     )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from numbers import Real
 from typing import Any
@@ -11,11 +12,10 @@ import numpy as np
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_damper
+from bridgectl.dampers.legs import require_dampers
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.model.crossing import Crossing
-from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
-from bridgectl.model.vehicle import Vehicle
-from bridgectl.model.vehicle_effects import BodyAcceleration
+from bridgectl.model.quarter_car import QuarterCar, require_springs
+from bridgectl.model.vehicle import Vehicle, with_dampings
 
 
 @dataclass(frozen=True)
@@ -118,34 +118,6 @@ position_error=0 m, position_deviation=0 m, acceleration_noise=0 m/s^2, travel_n
         """
         return self.strategy.kept if self.max_force == np.inf else None
 
-    def resolved(self, crossing: Crossing) -> tuple[Crossing, Damper | None]:
-        """Return the crossing with a constant damper in the vehicle, or with one that is not.
-
-        Parameters
-        ----------
-        crossing : Crossing
-            Of a `QuarterCar`.
-
-        Returns
-        -------
-        tuple of Crossing and Damper or None
-
-        Raises
-        ------
-        ValueError
-            If the damper is not constant and the effect an acceleration.
-        """
-        if self.constant is not None:
-            car = replace(bare_vehicle(crossing.vehicle), damping=self.constant)
-            return replace(crossing, vehicle=car), None
-        if isinstance(crossing.effect, BodyAcceleration):
-            raise ValueError(
-                "with a damper that is not constant the effect is a moment, a deflection or a tire "
-                f"force, got {crossing.effect!r}: histories of accelerations has simulate_loop("
-                'record=["body_acceleration"])'
-            )
-        return crossing, self
-
     def __repr__(self) -> str:
         return (
             f"Damper({self.strategy!r}, sample_time={self.sample_time:g} s, lag={self.lag:g} s, "
@@ -177,6 +149,28 @@ def as_damper(damper: object) -> Damper:
     )
 
 
-def bare_vehicle(vehicle: Vehicle | QuarterCar) -> QuarterCar:
-    """Return a quarter-car without its damper."""
-    return replace(require_quarter_car(vehicle), damping=0.0)
+def bare_vehicle(
+    vehicle: Vehicle | QuarterCar, legs: Sequence[int] | None = None
+) -> Vehicle | QuarterCar:
+    """Return a vehicle with some controlled dampers, by default all, in place of passive ones."""
+    require_dampers(vehicle)
+    require_springs(vehicle, "closed loops and scores")
+    if isinstance(vehicle, QuarterCar):
+        return replace(vehicle, damping=0.0)
+    some = list(range(len(vehicle.damper_map)) if legs is None else legs)
+    bare = with_damping(vehicle, 0.0, some).linear
+    return replace(
+        bare, damper_map=bare.damper_map[some], damper_axles=bare.damper_axles[some],
+        damper_dampings=np.zeros(len(some)), damper_names=tuple(bare.damper_names[k] for k in some),
+    )  # fmt: skip
+
+
+def with_damping(
+    vehicle: Vehicle | QuarterCar, damping: float, legs: Sequence[int] | None = None
+) -> Vehicle | QuarterCar:
+    """Return a vehicle whose passive dampers at some legs, by default all, have a damping."""
+    if isinstance(vehicle, QuarterCar):
+        return replace(vehicle, damping=damping)
+    new = vehicle.damper_dampings.copy()
+    new[slice(None) if legs is None else list(legs)] = damping
+    return with_dampings(vehicle, new)

@@ -26,7 +26,7 @@ places where the tire may be::
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
+from copy import copy
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -38,14 +38,15 @@ from scipy.special import ndtr
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.dampers.actuator import bare_vehicle
 from bridgectl.dampers.costate import REACH, Costate, costate
-from bridgectl.dampers.peak_value import PeakValue, peak_value
+from bridgectl.dampers.legs import Legs, checked_leg, require_dampers
+from bridgectl.dampers.peak_value import PeakValue, peak_values
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing
 from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 
 SPACING = 0.7
 """Largest distance between knots on the bridge [m]: an axle hop takes more than a metre."""
@@ -76,7 +77,7 @@ lag=0 s, position_deviation=0 m)
     def __init__(
         self,
         beam: BridgeModel,
-        vehicle: QuarterCar,
+        vehicle: Vehicle | QuarterCar,
         c_min: float,
         c_max: float,
         section: float = 0.5,
@@ -87,7 +88,8 @@ lag=0 s, position_deviation=0 m)
         position_deviation: float = 0.0,
     ) -> None:
         # The crossing checks beam, vehicle and effect.
-        self.effect = make_crossing(beam, bare_vehicle(vehicle), effect, section).effect
+        self.effect = make_crossing(beam, vehicle, effect, section).effect
+        require_dampers(vehicle)
         if not isinstance(feedback, bool | np.bool_):
             raise TypeError(f"feedback must be True or False, got {feedback!r}")
         self.beam, self.vehicle, self.feedback = beam, vehicle, bool(feedback)
@@ -95,7 +97,8 @@ lag=0 s, position_deviation=0 m)
         self.position_deviation = check.not_negative(
             "position_deviation", position_deviation, unit="m"
         )
-        self.laws: dict[float, Strategy] = {}
+        self.leg, self.laws = 1, dict[tuple[int, float], Strategy]()
+        self.worths: dict[float, list[PeakValue]] = {}
         super().__init__("bridgehook", self._untold, c_min, c_max)
 
     def __repr__(self) -> str:
@@ -113,16 +116,25 @@ lag=0 s, position_deviation=0 m)
     def for_speed(self, speed: float) -> Strategy:
         """Return the law at a speed [m/s]: see `Strategy.for_speed`."""
         c = check.positive("speed", speed, unit="m/s")
-        if c not in self.laws:
-            self.laws[c] = self._made(c)
-        return self.laws[c]
+        if (self.leg, c) not in self.laws:
+            self.laws[self.leg, c] = self._made(c)
+        return self.laws[self.leg, c]
+
+    def for_leg(self, leg: int) -> Bridgehook:
+        """Return the law of a damper of the vehicle: see `Strategy.for_leg`."""
+        other = copy(self)
+        other.leg = checked_leg(self.vehicle, leg)
+        return other
 
     def _made(self, speed: float) -> Strategy:
         case = self.beam, self.vehicle, speed
         if not self.feedback:
-            simple = costate(*case, effect=self.effect)
+            simple = costate(*case, effect=self.effect, leg=self.leg)
             return _costate_law(Costate(*_blurred(simple, self.position_deviation)), self)
-        found = peak_value(*case, self.c_min, self.c_max, effect=self.effect, reach=REACH)
+        if speed not in self.worths:  # those of all legs come together
+            bounds = self.c_min, self.c_max
+            self.worths[speed] = peak_values(*case, *bounds, effect=self.effect, reach=REACH)
+        found = self.worths[speed][self.leg - 1]
         return _feedback_law(PeakValue(*_blurred(found, self.position_deviation)), self)
 
     def command(self, **signals: ArrayLike) -> FloatArray:
@@ -140,15 +152,21 @@ lag=0 s, position_deviation=0 m)
             "bridgehook has a law for each speed: type for example law.for_speed(25.0).to_c(path)"
         )
 
-    @cached_property
+    @property
     def passive_damping(self) -> float:
         """Damping before and after it is commanded [N s/m]: the vehicle's own, in its range."""
-        return float(np.clip(self.vehicle.damping, self.c_min, self.c_max))
+        own = self.vehicle.linear.damper_dampings[self.leg - 1]
+        return float(np.clip(own, self.c_min, self.c_max))
+
+    @property
+    def behind(self) -> float:
+        """How far the leg is behind the reference tire, whose places count [m]."""
+        return float(Legs(self.vehicle.linear).offsets[self.leg - 1])
 
 
 def bridgehook(
     beam: BridgeModel,
-    vehicle: QuarterCar,
+    vehicle: Vehicle | QuarterCar,
     c_min: float,
     c_max: float,
     *,
@@ -167,8 +185,9 @@ def bridgehook(
     ----------
     beam : Beam
         The bridge that sigma is computed for.
-    vehicle : QuarterCar
-        The vehicle, with its passive damping.
+    vehicle : Vehicle or QuarterCar
+        The vehicle, with its passive damping. Each of its dampers has a law of its own, in which
+        all have c from `c_min` to `c_max`.
     section, effect : optional
         What it works against: see `bridgectl.daf`. A moment at mid-span if omitted.
     c_min, c_max : float
@@ -260,7 +279,7 @@ def _feedback_law(found: PeakValue, owner: Bridgehook) -> Strategy:
     bends[:, 0] = first[:, 0]
 
     def law(signals: Any, g: Any) -> Any:
-        s = _later(signals, owner.lag)
+        s = _later(signals, owner.lag, owner.behind)
         place = ca.fmin(ca.fmax(s.position, -REACH), end)
         beyond = [ca.fmax(place - float(knot), 0) for knot in knots[:-1]]
         constant, body, axle = (
@@ -291,7 +310,7 @@ def _costate_law(found: Costate, owner: Bridgehook) -> Strategy:
     start, end = float(x[0]), float(x[-1])
 
     def law(signals: Any, g: Any) -> Any:
-        s = _later(signals, owner.lag)
+        s = _later(signals, owner.lag, owner.behind)
         sign: Any = 1.0
         for place in places:
             sign = sign * (2 * (s.position < float(place)) - 1)
@@ -306,12 +325,15 @@ def _switched(sigma: Any, s: Any, g: Any, start: float, end: float, owner: Bridg
     return ca.if_else(active, ca.if_else(stiff, g.c_max, g.c_min), owner.passive_damping)
 
 
-def _later(s: Any, time: float) -> Any:
-    """The signals that count, as they will be a time [s] from now."""
-    if time == 0:
+def _later(s: Any, time: float, behind: float) -> Any:
+    """The signals that count, as they will be a time [s] from now; the reference tire's place."""
+    if time == behind == 0:
         return s
+    place = s.position + behind
+    if time == 0:
+        return SimpleNamespace(**{**vars(s), "position": place})
     return SimpleNamespace(
-        position=s.position + time * s.speed,
+        position=place + time * s.speed,
         body_velocity=s.body_velocity + time * s.body_acceleration,
         axle_velocity=s.axle_velocity + time * s.axle_acceleration,
         suspension_velocity=s.suspension_velocity

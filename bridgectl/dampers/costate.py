@@ -10,6 +10,7 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
+from bridgectl.dampers.legs import checked_leg
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.prediction import Prediction, predict
 from bridgectl.linear.runs import Stretch, effect_samples, prepare, propagate
@@ -18,6 +19,7 @@ from bridgectl.model.crossing import Crossing, make_crossing
 from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 
 REACH = 60.0
 """How far before the bridge a damper is looked at, or commanded [m]."""
@@ -50,12 +52,13 @@ def smooth_crossing(crossing: Crossing, speed: float, reach: float) -> tuple[Pre
 @on_one_thread
 def costate(
     beam: BridgeModel,
-    vehicle: QuarterCar,
+    vehicle: Vehicle | QuarterCar,
     speed: float,
     *,
     section: float = 0.5,
     effect: Effect | str = "moment",
     reach: float = REACH,
+    leg: int = 1,
 ) -> Costate:
     """Return how the peak moment depends on the damper force before it.
 
@@ -67,6 +70,8 @@ def costate(
         Speed c [m/s].
     reach : float, optional
         Length of the approach that is looked at [m].
+    leg : int, optional
+        Which damper of the vehicle, counted from 1.
 
     Returns
     -------
@@ -87,10 +92,12 @@ def costate(
     """
     crossing, c = make_crossing(beam, vehicle, effect, section), Motion(speed).speed
     judge_crossing(crossing, c)
-    return costate_of(crossing, c, check.not_negative("reach", reach, unit="m"))
+    return costate_of(
+        crossing, c, check.not_negative("reach", reach, unit="m"), checked_leg(vehicle, leg)
+    )
 
 
-def costate_of(crossing: Crossing, speed: float, reach: float) -> Costate:
+def costate_of(crossing: Crossing, speed: float, reach: float, leg: int = 1) -> Costate:
     """Return the costate of a crossing: see `costate`."""
     known, bridge = smooth_crossing(crossing, speed, reach)
     top = find_peaks(effect_samples(crossing, bridge).T)
@@ -98,5 +105,5 @@ def costate_of(crossing: Crossing, speed: float, reach: float) -> Costate:
     lines = [known.effect_rows[last]]
     for transition in known.transitions[:last][::-1]:
         lines.append(lines[-1] @ transition)
-    sigma = np.array(lines[::-1]) @ known.damper_input[:, 0]
+    sigma = np.array(lines[::-1]) @ known.damper_input[:, leg - 1]
     return Costate(known.positions[: last + 1], sigma)

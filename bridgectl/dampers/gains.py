@@ -128,3 +128,14 @@ def _measured(law: str, name: str, value: ArrayLike) -> FloatArray:
     except ValueError as error:
         raise ValueError(f"{error}: from that {law} returned NaN") from None
     return values
+
+
+def damping_bounds(c_min: float, c_max: float) -> tuple[float, float]:
+    """Check bounds of the damping [N s/m]."""
+    soft = check.not_negative("c_min", c_min, unit="N s/m")
+    stiff = check.positive("c_max", c_max, unit="N s/m")
+    if soft > stiff:
+        raise ValueError(
+            f"c_min must not exceed c_max, got {soft:g} and {stiff:g} N s/m: swap them"
+        )
+    return soft, stiff

@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from bridgectl.dampers import laws
 from bridgectl.dampers.bridgehook import bridgehook
+from bridgectl.dampers.each_leg import at_each_leg
+from bridgectl.dampers.legs import require_dampers
 from bridgectl.dampers.lqr import clipped_lqr
 from bridgectl.dampers.preset import preset
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.dampers.tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 
 
 def library(
-    beam: BridgeModel, vehicle: QuarterCar, c_min: float, c_max: float, *, section: float = 0.5
-) -> list[Strategy]:
+    beam: BridgeModel, vehicle: Vehicle | QuarterCar, c_min: float, c_max: float, *,
+    section: float = 0.5,
+) -> list[Strategy]:  # fmt: skip
     """Return every strategy for a bridge and a vehicle, the vehicle's own damper first.
 
     Parameters
     ----------
     beam : Beam
         The bridge, which `bridgehook` knows.
-    vehicle : QuarterCar
+    vehicle : Vehicle or QuarterCar
         The vehicle, with its passive damper.
     c_min, c_max : float
         Bounds of the damping [N s/m], above 0.
@@ -59,12 +65,13 @@ def library(
     clipped LQR
     bridgehook
     """
-    if require_quarter_car(vehicle).damping == 0:
+    require_dampers(vehicle)
+    if not np.all(vehicle.linear.damper_dampings > 0):
         raise ValueError(
             "vehicle must have a damping above 0 [N s/m], which strategies are compared with"
         )
     return [
-        laws.passive(vehicle.damping),
+        at_each_leg(lambda car: laws.passive(car.damping), vehicle),
         preset(c_min, c_max),
         laws.skyhook(c_min, c_max),
         laws.continuous_skyhook(c_min, c_max),
@@ -75,7 +82,9 @@ def library(
         laws.hybrid(c_min, c_max),
         laws.add(c_min, c_max),
         laws.sh_add(c_min, c_max),
-        laws.pdd(c_min, c_max, stiffness=vehicle.suspension_stiffness),
+        at_each_leg(
+            lambda car: laws.pdd(c_min, c_max, stiffness=car.suspension_stiffness), vehicle
+        ),
         clipped_lqr(vehicle, c_min, c_max),
         bridgehook(beam, vehicle, c_min, c_max, section=section),
     ]

@@ -23,11 +23,13 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl.dampers.each_leg import of_each_leg
 from bridgectl.dampers.passive_theory import comfort_damping, road_damping, variances
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.dampers.switching import DEAD_BAND, documented, nearest
 from bridgectl.dampers.tire_laws import deflection_of_tire, tire_gains
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
+from bridgectl.model.vehicle import Vehicle
 
 FEEDBACK = ("travel_gain", "body_gain", "deflection_gain", "axle_gain")
 """Names of the gains K of x = [d, y_s', e, y_t']: N/m, N s/m, N/m, N s/m."""
@@ -61,9 +63,10 @@ class Regulator(NamedTuple):
         return unit * np.asarray(gain, dtype=np.float64)[0]
 
 
+@of_each_leg
 @documented
 def clipped_lqr(
-    vehicle: QuarterCar,
+    vehicle: Vehicle | QuarterCar,
     c_min: float,
     c_max: float,
     *,
@@ -80,8 +83,9 @@ def clipped_lqr(
 
     Parameters
     ----------
-    vehicle : QuarterCar
-        Its own damping does not matter.
+    vehicle : Vehicle or QuarterCar
+        Its own damping does not matter. At each leg of a vehicle the law is that of the quarter-car
+        that its axle, springs and tires, and the load on them are.
     {bounds}
     body_acceleration : float, optional
         q_1, dimensionless: the other weights are relative to it.
@@ -129,9 +133,10 @@ def clipped_lqr(
     ...     tire_force=98.1e3)
     array([30000., 30000.])
     """
-    of_tire = tire_gains(vehicle)
+    car = require_quarter_car(vehicle)
+    of_tire = tire_gains(car)
     weights = body_acceleration, suspension_travel, tire_deflection, damper_force
-    feedback = regulator(vehicle, *weights).feedback()
+    feedback = regulator(car, *weights).feedback()
     gains = {
         **{name: (float(k), -1e8, 1e8) for name, k in zip(FEEDBACK, feedback, strict=True)},
         **of_tire,

@@ -22,14 +22,16 @@ white (ISO 8608, waviness 2) its covariance is
 
     P' = A P + P A' + N N',  N = -1 for each displacement of the vehicle
 
-times a roughness that does not matter, and E[dz | m] = P C' (C P C')^-1 m. Such a road is as likely
-to rise as to fall, so that the expected road ahead is level: that is all of it that is known.
+times a roughness that does not matter, and E[dz | m] = P C' (C P C')^-1 m. Of a vehicle on several
+tires N has a column for each, the displacements that its road gives the vehicle at rest, as if it
+had a road of its own; every damper takes off its part of V, and each has a worth. Such roads are
+as likely to rise as to fall, so that what is to be expected ahead is level, and is all that is
+known.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
@@ -38,10 +40,10 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
-from bridgectl.dampers.actuator import bare_vehicle
+from bridgectl.dampers.actuator import with_damping
 from bridgectl.dampers.costate import REACH, smooth_crossing
-from bridgectl.dampers.loop.steps import AXLE, BODY
-from bridgectl.dampers.strategy import damping_bounds
+from bridgectl.dampers.gains import damping_bounds
+from bridgectl.dampers.legs import Legs, require_dampers
 from bridgectl.linear.cells import SAMPLES
 from bridgectl.linear.prediction import Prediction
 from bridgectl.linear.runs import effect_samples
@@ -50,6 +52,7 @@ from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 
 SHARPNESS = 10.0
 """beta, per unit of the peak static moment: 0.1 of it is what a road may change of a peak."""
@@ -64,14 +67,11 @@ changes the mean over speeds by less than 0.003.
 LEAST = -200.0
 """Least logarithm of a weight: after a sharp peak the sum of the others must not vanish."""
 
-MEASURED = [BODY, AXLE]
-"""Places of what is measured among the states."""
-
 
 class PeakValue(NamedTuple):
     """Worth of a damper force dV / dF = constant + body y_s' + axle y_t', by place.
 
-    V is the peak moment to be expected over the peak static moment. Made by `peak_value`.
+    V is the peak moment to be expected over the peak static moment. Made by `peak_values`.
     """
 
     positions: FloatArray
@@ -93,9 +93,9 @@ class PeakValue(NamedTuple):
 
 
 @on_one_thread
-def peak_value(
+def peak_values(
     beam: BridgeModel,
-    vehicle: QuarterCar,
+    vehicle: Vehicle | QuarterCar,
     speed: float,
     c_min: float,
     c_max: float,
@@ -105,40 +105,54 @@ def peak_value(
     reach: float = REACH,
     sharpness: float = SHARPNESS,
     yield_speed: float = YIELD_SPEED,
-) -> PeakValue:
-    """Return what a damper force is worth before the peak moment, at a speed [m/s].
+) -> list[PeakValue]:
+    """Return what a force of each damper is worth before the peak moment, at a speed [m/s].
 
-    The damping is kept from `c_min` to `c_max` [N s/m]; `reach` is the length of the approach that
-    is looked at [m]; `sharpness` and `yield_speed` [m/s] are beta and v_0 of the formulas above.
-    The others are those of `bridgectl.daf`.
+    The dampings are kept from `c_min` to `c_max` [N s/m]; `reach` is the length of the approach
+    that is looked at [m]; `sharpness` and `yield_speed` [m/s] are beta and v_0 of the formulas
+    above. The others are those of `bridgectl.daf`.
 
     >>> import bridgectl as bc
-    >>> from bridgectl.dampers.peak_value import peak_value
-    >>> found = peak_value(bc.li2006.beam(), bc.li2006.car(), 25.0, 1e3, 30e3)
+    >>> from bridgectl.dampers.peak_value import peak_values
+    >>> (found,) = peak_values(bc.li2006.beam(), bc.li2006.car(), 25.0, 1e3, 30e3)
     >>> found.positions[0].round(3), found.positions[-1].round(3)
     (np.float64(-60.0), np.float64(25.0))
     """
     soft, stiff = damping_bounds(c_min, c_max)
     beta = check.positive("sharpness", sharpness)
     curvature = (stiff - soft) / 2 / check.positive("yield_speed", yield_speed, unit="m/s")
-    car = replace(bare_vehicle(vehicle), damping=(soft + stiff) / 2)
+    require_dampers(vehicle)
+    car = with_damping(vehicle, (soft + stiff) / 2)
     crossing, c = make_crossing(beam, car, effect, section), Motion(speed).speed
     require_factor(crossing)
     judge_crossing(crossing, c)
     before = check.not_negative("reach", reach, unit="m")
     known, bridge = smooth_crossing(crossing, c, before)
-    nodes, entry = known.positions, known.entry
+    nodes, entry, measured = known.positions, known.entry, _measured(crossing)
     to_states = _expected(crossing, known.transitions[entry:], known.durations[entry:])
     moments = effect_samples(crossing, bridge)[0, :: len(SAMPLES)]
     sweep = _Backward(known, moments, beta, curvature)
     durations = np.gradient(nodes) / c
-    constant, gains = np.zeros(len(nodes)), np.zeros((len(nodes), 2))
+    gains = np.zeros((len(nodes), *measured.shape[:2]))
+    constant = np.zeros(gains.shape[:2])
     for k in range(len(nodes) - 1, -1, -1):
         sweep.step_back(k, durations[k])
         constant[k], per_state = sweep.worth(k)
-        gains[k] = per_state @ to_states[max(k - entry, 0)]
-    constant[entry:] -= (gains[entry:] * bridge.states[0][:, MEASURED]).sum(axis=1)
-    return PeakValue(nodes, constant, *gains.T)
+        gains[k] = np.einsum("dn,dnm->dm", per_state, to_states[max(k - entry, 0)])
+    smooth = np.einsum("dmn,kn->kdm", measured, bridge.states[0])
+    constant[entry:] -= (gains[entry:] * smooth).sum(axis=2)
+    return [PeakValue(nodes, constant[:, leg], *gains[:, leg].T) for leg in range(len(measured))]
+
+
+def peak_value(*case: Any, leg: int = 1, **options: Any) -> PeakValue:
+    """Return what a force of one damper is worth, counted from 1: see `peak_values`."""
+    return peak_values(*case, **options)[leg - 1]
+
+
+def _measured(crossing: Crossing) -> FloatArray:
+    """Rows of what is measured at each leg, of all states, (D, 2, n)."""
+    rows = Legs(crossing.linear).measured
+    return np.pad(rows, ((0, 0), (0, 0), (0, crossing.n_states - crossing.n_vehicle)))
 
 
 class _Backward:
@@ -147,12 +161,12 @@ class _Backward:
     def __init__(
         self, known: Prediction, moments: FloatArray, sharpness: float, curvature: float
     ) -> None:
-        self.known, self.force = known, known.damper_input[:, 0]
+        self.known, self.forces = known, known.damper_input
         below = np.maximum(sharpness * (moments - moments.max()), LEAST)
         self.weights = np.gradient(known.positions[known.entry :]) * np.exp(below)
         self.ahead = np.zeros_like(known.effect_rows[known.entry :])
         self.yet = np.zeros_like(known.transitions[0])
-        self.square = np.outer(known.velocity_rows[0], known.velocity_rows[0])
+        self.squares = np.array([np.outer(row, row) for row in known.velocity_rows])
         self.sharpness, self.curvature = sharpness, curvature
 
     def step_back(self, k: int, duration: float) -> None:
@@ -163,32 +177,38 @@ class _Backward:
             self.yet = step.T @ self.yet @ step
         if k >= self.known.entry:
             self.ahead[k - self.known.entry] = self.known.effect_rows[k]
-        mean = np.abs(self.ahead @ self.force @ self.weights)
-        self.yet += mean * duration * self.square
+        means = np.abs(self.weights @ self.ahead @ self.forces)
+        self.yet += duration * np.tensordot(means, self.squares, 1)
 
-    def worth(self, k: int) -> tuple[float, FloatArray]:
-        """s, and the row of dV / dF on the deviation of the states."""
+    def worth(self, k: int) -> tuple[FloatArray, FloatArray]:
+        """s, and the row of dV / dF on the deviation of the states, of each damper."""
         later = slice(max(k - self.known.entry, 0), None)
         ahead, weights = self.ahead[later], self.weights[later]
-        sigma, total = ahead @ self.force, weights.sum()
+        sigma, total = ahead @ self.forces, weights.sum()
         mean = weights @ sigma / total
-        spread = (weights * (sigma - mean)) @ ahead / total
-        own = self.force @ self.yet / total
-        return float(mean), self.sharpness * spread - self.curvature * own
+        spread = (weights[:, np.newaxis] * (sigma - mean)).T @ ahead / total
+        own = self.forces.T @ self.yet / total
+        return mean, self.sharpness * spread - self.curvature * own
+
+
+def _at_rest(vehicle: Vehicle) -> FloatArray:
+    """Displacements of a vehicle at rest per drop of the road under each tire, (coordinates, T)."""
+    springs = vehicle.tire_map.T * vehicle.tire_stiffnesses
+    return np.linalg.solve(vehicle.stiffness_matrix + springs @ vehicle.tire_map, springs)
 
 
 def _expected(crossing: Crossing, steps: FloatArray, durations: FloatArray) -> FloatArray:
-    """E[dz | m] per measured velocity, at the nodes on the bridge, (C + 1, n, 2)."""
-    vehicle, n = crossing.linear, crossing.n_vehicle
-    slope = np.zeros(crossing.n_states)
-    slope[:n:2] = -1.0
-    noise = np.outer(slope, slope)
+    """E[dz | m] per measured velocity of each leg, at the nodes on the bridge, (C + 1, D, n, 2)."""
+    vehicle, n, measured = crossing.linear, crossing.n_vehicle, _measured(crossing)
+    slopes = np.zeros((crossing.n_states, vehicle.n_tires))
+    slopes[:n:2] = -_at_rest(vehicle)
+    noise = slopes @ slopes.T
     covariance = np.zeros_like(noise)
     covariance[:n, :n] = solve_continuous_lyapunov(vehicle.state_matrix_on_tires(), -noise[:n, :n])
     gains = []
     for k in range(len(steps) + 1):
-        known = covariance[:, MEASURED]
-        gains.append(known @ np.linalg.inv(known[MEASURED]))
+        known = covariance @ np.swapaxes(measured, 1, 2)
+        gains.append(known @ np.linalg.inv(measured @ known))
         if k < len(steps):
             half = noise * durations[k] / 2
             covariance = steps[k] @ (covariance + half) @ steps[k].T + half

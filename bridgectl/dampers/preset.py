@@ -11,7 +11,7 @@ import numpy as np
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
-from bridgectl.dampers.actuator import bare_vehicle
+from bridgectl.dampers.actuator import with_damping
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.response import linear_dafs
@@ -45,8 +45,7 @@ class Preset(Strategy):
         self, crossing: Crossing, speeds: FloatArray, stations: FloatArray, elevations: FloatArray
     ) -> Mapping[str, FloatArray]:
         """Return the damping of the smallest DAF of each crossing [N s/m], by superposition."""
-        vehicle = bare_vehicle(crossing.vehicle)
-        cars = [replace(vehicle, damping=float(c)) for c in self.dampings]
+        cars = [with_damping(crossing.vehicle, float(c)) for c in self.dampings]
         crossings = [replace(crossing, vehicle=car) for car in cars]
         # Of the one that is taken its crossing tells.
         with warnings.catch_warnings(action="ignore", category=LiftOffWarning):

@@ -24,17 +24,16 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
 from bridgectl._warn import warn
-from bridgectl.dampers.actuator import Damper, bare_vehicle
+from bridgectl.dampers.fitted import Fitted, fitted
+from bridgectl.dampers.legs import Legs
 from bridgectl.dampers.loop.advance import BETWEEN, CLOSE
 from bridgectl.dampers.loop.closed_loop import checked_roads
+from bridgectl.dampers.loop.loop import level_beyond
 from bridgectl.dampers.loop.steps import (
-    DAMPER,
     MOMENT,
     POINTS,
-    STATES,
-    TIRE,
-    TIRE_LATER,
     Responses,
+    Rows,
     Steps,
     longest_step,
     make_plan,
@@ -48,12 +47,10 @@ from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.road.elevations import drops_of
 
 N_POINTS = len(POINTS)
-
-RATES, END, AFTER, MOMENTS = slice(0, 2), 2, slice(3, -N_POINTS), slice(-N_POINTS, None)
-"""Rows of `_Maps`: suspension velocities w, u - r at the end, states at the end, moments."""
 
 ROADS_AT_ONCE = 250
 """Roads whose histories are in memory together."""
@@ -77,19 +74,20 @@ class Sensitivity(NamedTuple):
 
 @on_one_thread
 def program_sensitivity(
-    beam: BridgeModel, vehicle: QuarterCar, speed: float, positions: ArrayLike, dampings: ArrayLike,
-    stations: ArrayLike, elevations: ArrayLike, *, section: float = 0.5, recovery: str = "exact",
+    beam: BridgeModel, vehicle: Vehicle | QuarterCar, speed: float, positions: ArrayLike,
+    dampings: ArrayLike, stations: ArrayLike, elevations: ArrayLike, *, section: float = 0.5,
+    recovery: str = "exact",
 ) -> Sensitivity:  # fmt: skip
     """Return the DAF of roads with a damping program, and its gradient.
 
-    The damper is one of the default kind: see `Damper`.
+    Each damper is one of the default kind: see `Damper`.
 
     Parameters
     ----------
     beam, section, recovery
         See `bridgectl.Crossing`.
-    vehicle : QuarterCar
-        The vehicle; its passive damper is taken out.
+    vehicle : Vehicle or QuarterCar
+        The vehicle; its passive dampers are taken out, and each follows the program.
     speed : float
         Speed c [m/s].
     positions, dampings : array_like, shape (n_positions,)
@@ -128,13 +126,15 @@ def program_sensitivity(
     array([[ 0.0002,  0.0002,  0.0012, -0.0002]])
     """
     law = program(positions, dampings, shape="lines")
-    crossing = make_crossing(beam, bare_vehicle(vehicle), "moment", section, recovery)
+    crossing = make_crossing(beam, vehicle, "moment", section, recovery)
     require_factor(crossing)
-    x, z = checked_roads(beam, stations, elevations)
+    devices = fitted(law, vehicle)
+    crossing = devices.bare(crossing)
+    x, z = level_beyond(crossing, *checked_roads(beam, stations, elevations))
     speeds = np.array([Motion(speed).speed])
     judge_crossing(crossing, speeds[0])
-    require_loop(crossing, [Damper(law)], speeds, x, len(z))
-    steps, sampled = _steps(crossing, Damper(law), speeds, x)
+    require_loop(crossing, [devices], speeds, x, len(z))
+    steps, sampled = _steps(crossing, devices, speeds, x)
     maps = _maps(crossing, steps, law.command(position=sampled))
     drops = drops_of(z)
     dafs, at_steps = [], []
@@ -145,72 +145,94 @@ def program_sensitivity(
         at_steps.append(_backward(maps, rates, weights))
     places = check.floats("positions", positions)
     shares = np.array([np.interp(sampled, places, one) for one in np.eye(places.size)])
-    return Sensitivity(np.concatenate(dafs), np.concatenate(at_steps) @ shares.T)
+    gradients = np.einsum("rkd,pkd->rp", np.concatenate(at_steps), shares)
+    return Sensitivity(np.concatenate(dafs), gradients)
 
 
 def _steps(
-    crossing: Crossing, damper: Damper, speeds: FloatArray, stations: FloatArray
+    crossing: Crossing, dampers: Fitted, speeds: FloatArray, stations: FloatArray
 ) -> tuple[Steps, FloatArray]:
-    """The closed loop's steps of one speed, and where the damping of each was sampled [m]."""
-    dt = damper.sample_time
-    longest = min(longest_step(crossing, damper.strategy.c_max, crossing.beam.n_modes), dt)
-    parts = times_within(dt, longest, damper.lag)
-    edges = make_plan(crossing, speeds, stations, dt, parts).edges
+    """The closed loop's steps of one speed, and where each damper was sampled [m], (K, D)."""
+    dt = dampers.sample_time
+    longest = min(longest_step(crossing, dampers.dampings, crossing.beam.n_modes), dt)
+    edges = make_plan(crossing, speeds, stations, dt, times_within(dt, longest, 0.0)).edges
     some = np.diff(edges).ravel() > 0  # the others fill up rounds
     each = np.stack([edges[..., :-1].ravel(), edges[..., 1:].ravel()], axis=1)[some]
     responses = Responses(crossing, longest)
     steps = make_steps(crossing, responses, speeds, each[np.newaxis], stations, on_bridge=True)
-    return steps, np.repeat(edges[0, :, 0], edges.shape[2] - 1)[some]
+    sampled = np.repeat(edges[0, :, 0], edges.shape[2] - 1)[some]
+    return steps, sampled[:, np.newaxis] - Legs(crossing.linear).offsets
 
 
 class _Maps(NamedTuple):
-    """K steps with their damping, to [w, u - r at the end, states at the end, moments]."""
+    """K steps with their dampings, to [w, u - r at the end, states at the end, moments]."""
 
     given: FloatArray
-    """From [1, states, road at the stations before and after], (K, 3 + n + 4, 1 + n + 2)."""
+    """From [1, states, road at the stations before and after each tire], (K, rows, 1 + n + 2 T)."""
     force: FloatArray
-    """From a damper force added at the stages, (K, 3 + n + 4, 2)."""
+    """From damper forces added at the stages, (K, rows, 2 D)."""
     piece: NDArray[np.intp]
-    """Station before each step, (K,)."""
+    """Station before each tire in each step, (K, T)."""
+    rates: slice
+    """Rows of w."""
+    ends: slice
+    """Rows of u - r at the end; those of the states and the moments follow."""
 
 
 def _maps(crossing: Crossing, steps: Steps, c: FloatArray) -> _Maps:
-    """Steps with the damping of each [N s/m], (K,)."""
-    stiffness = crossing.linear.tire_stiffnesses[0]
+    """Steps with the dampings of each [N s/m], (K, D)."""
+    rows, n_tires = Rows.of_crossing(crossing), crossing.linear.n_tires
+    stiffness = np.tile(crossing.linear.tire_stiffnesses, 2)
     free, forced, share, influence = (
         of[0] for of in (steps.free, steps.forced, steps.share, steps.influence)
     )
     # The road is one more thing that is given, and counts in u alone.
-    given = np.pad(free, ((0, 0), (0, 0), (0, 2)))
-    for rows, points in ((TIRE, slice(0, 2)), (TIRE_LATER, slice(2, 4))):
-        given[:, rows, -2:] -= np.concatenate([1 - share, share], axis=2)[:, points]
-    tied = np.zeros((len(c), 4))
-    tied[:, TIRE], tied[:, DAMPER] = stiffness, c[:, np.newaxis]
-    by_force = np.linalg.inv(np.eye(4) - tied[..., np.newaxis] * forced[:, : DAMPER.stop])
+    given = np.pad(free, ((0, 0), (0, 0), (0, 2 * n_tires)))
+    for each, points in ((rows.tire, slice(0, 2)), (rows.later, slice(2, 4))):
+        for tire in range(n_tires):
+            own = np.arange(each.start + tire, each.stop, n_tires)
+            here = share[:, points, tire, 0]
+            given[:, own, tire - 2 * n_tires] -= 1 - here
+            given[:, own, tire - n_tires] -= here
+    tied = np.zeros((len(c), rows.damper.stop))
+    tied[:, rows.tire], tied[:, rows.damper] = stiffness, np.tile(c, 2)
+    together = tied[..., np.newaxis] * forced[:, : rows.damper.stop]
+    by_force = np.linalg.inv(np.eye(rows.damper.stop) - together)
     gains = forced @ by_force
-    given += gains @ (tied[..., np.newaxis] * given[:, : DAMPER.stop])
+    given += gains @ (tied[..., np.newaxis] * given[:, : rows.damper.stop])
+    loads = crossing.linear.static_loads
     for every in (given, gains):
-        tires = np.concatenate([every[:, TIRE], every[:, TIRE_LATER]], axis=1)
-        every[:, MOMENT] += influence * stiffness * tires
-    given[:, MOMENT, :1] += influence * crossing.linear.static_loads[0]
-    n = crossing.n_states
-    asked = np.r_[DAMPER, TIRE_LATER.stop - 1, STATES : STATES + n, -N_POINTS:0]
-    return _Maps(given[:, asked], gains[:, asked, DAMPER], steps.piece[0])
+        tires = np.concatenate([every[:, rows.tire], every[:, rows.later]], axis=1)
+        tires = tires.reshape(len(c), N_POINTS, n_tires, -1)
+        stiff = crossing.linear.tire_stiffnesses[:, np.newaxis] * influence
+        every[:, MOMENT] += (stiff * tires).sum(axis=2)
+    given[:, MOMENT, 0] += (influence[..., 0] * loads).sum(axis=2)
+    n_rates = rows.damper.stop - rows.damper.start
+    asked = np.r_[
+        rows.damper, rows.later.stop - n_tires : rows.states + crossing.n_states, -N_POINTS:0
+    ]
+    return _Maps(
+        given[:, asked], gains[:, asked, rows.damper], steps.piece[0], slice(0, n_rates),
+        slice(n_rates, n_rates + n_tires),
+    )  # fmt: skip
 
 
 def _forward(maps: _Maps, drops: FloatArray, crossing: Crossing) -> tuple[FloatArray, FloatArray]:
-    """Suspension velocities (K, 2, R) and moments (K, 4, R)."""
+    """Suspension velocities (K, 2 D, R) and moments (K, 4, R)."""
     n_steps, _, n_given = maps.given.shape
-    given = np.zeros((n_given, drops.shape[1]))
+    vehicle, n_tires, n_roads = crossing.linear, crossing.linear.n_tires, drops.shape[1]
+    given = np.zeros((n_given, n_roads))
     given[0] = 1.0
-    rates = np.empty((n_steps, 2, drops.shape[1]))
-    moments, least = np.empty((n_steps, N_POINTS, drops.shape[1])), 0.0
+    rates = np.empty((n_steps, maps.rates.stop, n_roads))
+    moments, least = np.empty((n_steps, N_POINTS, n_roads)), 0.0
+    weights = vehicle.static_loads / vehicle.tire_stiffnesses
     for k, (step, piece) in enumerate(zip(maps.given, maps.piece, strict=True)):
-        given[-2:] = drops[piece : piece + 2]
+        given[-2 * n_tires : -n_tires], given[-n_tires:] = drops[piece], drops[piece + 1]
         found = step @ given
-        rates[k], moments[k], given[1:-2] = found[RATES], found[MOMENTS], found[AFTER]
-        least = min(least, float(found[END].min()))
-    if crossing.linear.static_loads[0] + crossing.linear.tire_stiffnesses[0] * least < 0:
+        rates[k], moments[k] = found[maps.rates], found[-N_POINTS:]
+        given[1 : -2 * n_tires] = found[maps.ends.stop : -N_POINTS]
+        least = min(least, float((found[maps.ends] / weights[:, np.newaxis]).min()))
+    if least < -1:
         warn(
             "a tire leaves the road: DAF and gradient are those of one that could pull",
             LiftOffWarning,
@@ -238,12 +260,14 @@ def _peaks(moments: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _backward(maps: _Maps, rates: FloatArray, weights: FloatArray) -> FloatArray:
-    """Change of each road's largest moment per damping of each step [m/(N s)], (R, K)."""
+    """Change of each road's largest moment per damping of each step [m/(N s)], (R, K, D)."""
     n_steps, n_roads, _ = weights.shape
-    found = np.empty((n_steps, n_roads))
-    outputs = np.zeros((n_roads, maps.force.shape[1] - AFTER.start))
+    first, n_tires = maps.ends.stop, maps.piece.shape[1]
+    found = np.empty((n_steps, n_roads, maps.rates.stop // 2))
+    outputs = np.zeros((n_roads, maps.force.shape[1] - first))
     for k in range(n_steps - 1, -1, -1):
-        outputs[:, MOMENTS] = weights[k]
-        found[k] = np.einsum("ri,ir->r", outputs @ maps.force[k, AFTER.start :], rates[k])
-        outputs[:, :-N_POINTS] = outputs @ maps.given[k, AFTER.start :, 1:-2]
-    return found.T
+        outputs[:, -N_POINTS:] = weights[k]
+        each = (outputs @ maps.force[k, first:]) * rates[k].T
+        found[k] = each.reshape(n_roads, 2, -1).sum(axis=1)
+        outputs[:, :-N_POINTS] = outputs @ maps.given[k, first:, 1 : -2 * n_tires]
+    return np.swapaxes(found, 0, 1)

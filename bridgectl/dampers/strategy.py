@@ -28,8 +28,11 @@ from bridgectl.dampers.gains import (
     checked_name,
     checked_preview,
     checked_states,
+    damping_bounds,
 )
+from bridgectl.dampers.legs import checked_leg
 from bridgectl.model.crossing import Crossing
+from bridgectl.model.vehicle import Vehicle
 
 SIGNALS = (
     "body_velocity",
@@ -44,7 +47,7 @@ SIGNALS = (
     "speed",
 )
 """What a strategy may measure: m/s, m/s, m, m/s, m/s^2, m/s^2, N, N/s, m from the bridge's start,
-m/s.
+m/s. Each leg of a vehicle has its own: of its ends, its tires (summed) and their place.
 
 Displacements are positive downward, the suspension's are body minus axle, as in the crossing. The
 rate of the tire force is its change since the last sample over the sample time (0 at the first).
@@ -103,9 +106,8 @@ class Strategy:
 
     >>> import casadi as ca
     >>> from bridgectl.dampers import Strategy
-    >>> def law(s, g):
-    ...     return ca.if_else(s.body_velocity < 0, g.c_max, g.c_min)
-    >>> lifting = Strategy("lifting", law, 1e3, 30e3)
+    >>> lifting = Strategy(
+    ...     "lifting", lambda s, g: ca.if_else(s.body_velocity < 0, g.c_max, g.c_min), 1e3, 30e3)
     >>> lifting
     Strategy('lifting', c from 1000 to 30000 N s/m)
     >>> lifting.command(body_velocity=[-0.1, 0.1])
@@ -208,6 +210,19 @@ class Strategy:
         """
         return self
 
+    def for_leg(self, leg: int) -> Strategy:
+        """Return the law at a damper of a vehicle, counted from 1: see `for_speed`.
+
+        Parameters
+        ----------
+        leg : int
+
+        Returns
+        -------
+        Strategy
+        """
+        return self
+
     @property
     def kept(self) -> FloatArray | None:
         """Dampings [N s/m], the best of which a crossing keeps throughout; None of most."""
@@ -295,14 +310,15 @@ class Strategy:
         return at_sample(self.name, self.function, *columns)[0].reshape(shape)
 
     def system(
-        self, speed: float, *, rate_time: float = RATE_TIME, sample_time: float = SAMPLE_TIME
-    ) -> control.NonlinearIOSystem:
+        self, speed: float, *, rate_time: float = RATE_TIME, sample_time: float = SAMPLE_TIME,
+        vehicle: Vehicle | None = None, leg: int = 1,
+    ) -> control.NonlinearIOSystem:  # fmt: skip
         """Return the strategy as an I/O block for `control.interconnect` with a crossing.
 
         Parameters
         ----------
         speed : float
-            Speed c [m/s] of the crossing: position and speed are signals.
+            Speed c [m/s] of the crossing.
         rate_time : float, optional
             Time constant T [s] of the rate of the tire force, if the law measures it: (R - L) / T,
             where L' is that rate. The state L, 'lagged_tire_force' [N], starts best at the static
@@ -310,6 +326,10 @@ class Strategy:
         sample_time : float, optional
             Time T [s] in which a state x of the law moves to its next value x+: x' = (x+ - x) / T,
             for a short one as the sampled state does. `X0` tells where it starts.
+        vehicle : Vehicle, optional
+            The vehicle of the crossing, if it is no `QuarterCar`: each of its legs has a block.
+        leg : int, optional
+            Which of its dampers, counted from 1: outputs are then 'damper_force_1', 'damping_1'.
 
         Returns
         -------
@@ -343,7 +363,8 @@ class Strategy:
         >>> loop.nstates
         10
         """
-        return law_block(self.for_speed(speed), SIGNALS, speed, rate_time, sample_time)
+        own = self if vehicle is None else self.for_leg(checked_leg(vehicle, leg))
+        return law_block(own.for_speed(speed), SIGNALS, speed, rate_time, sample_time, vehicle, leg)
 
     @property
     def used(self) -> list[str]:
@@ -376,14 +397,3 @@ class Strategy:
             If the file cannot be written.
         """
         return write_c(self.function, path)
-
-
-def damping_bounds(c_min: float, c_max: float) -> tuple[float, float]:
-    """Check bounds of the damping [N s/m]."""
-    soft = check.not_negative("c_min", c_min, unit="N s/m")
-    stiff = check.positive("c_max", c_max, unit="N s/m")
-    if soft > stiff:
-        raise ValueError(
-            f"c_min must not exceed c_max, got {soft:g} and {stiff:g} N s/m: swap them"
-        )
-    return soft, stiff

@@ -14,10 +14,12 @@ import casadi as ca
 import numpy as np
 
 from bridgectl import _checks as check
+from bridgectl.dampers.each_leg import of_each_leg
 from bridgectl.dampers.passive_theory import invariant_frequencies
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.dampers.switching import DEAD_BAND, Gains, documented, nearest, on_off
 from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
+from bridgectl.model.vehicle import Vehicle
 
 
 @documented
@@ -43,12 +45,13 @@ def tire_groundhook(c_min: float, c_max: float, *, dead_band: float = DEAD_BAND)
     return on_off("tire groundhook", lambda s, g: -s.tire_force_rate, c_min, c_max, dead_band)
 
 
+@of_each_leg
 @documented
 def extended_groundhook(
     c_min: float,
     c_max: float,
     *,
-    vehicle: QuarterCar,
+    vehicle: Vehicle | QuarterCar,
     tire_damping: float = 0.0,
     sky_damping: float = 0.0,
     suspension_damping: float = 16e3,
@@ -68,7 +71,7 @@ def extended_groundhook(
     Parameters
     ----------
     {bounds}
-    vehicle : QuarterCar
+    vehicle : Vehicle or QuarterCar
         Its static load W and tire stiffness K_t turn the tire force into e and e'. They are gains
         too, `static_load` [N] and `tire_stiffness` [N/m]: a controller knows them but roughly.
     tire_damping, sky_damping : float, optional
@@ -121,7 +124,7 @@ def extended_groundhook(
         "suspension_damping": (suspension_damping, -1e6, 1e6),
         "tire_stiffness_change": (tire_stiffness_change, -1e8, 1e8),
         "travel_stiffness_change": (travel_stiffness_change, -1e8, 1e8),
-        **tire_gains(vehicle),
+        **tire_gains(require_quarter_car(vehicle)),
     }
 
     def force(s: Any, g: Any) -> Any:
@@ -136,12 +139,13 @@ def extended_groundhook(
     return nearest("extended groundhook", force, c_min, c_max, dead_band, gains)
 
 
+@of_each_leg
 @documented
 def selective_groundhook(
     c_min: float,
     c_max: float,
     *,
-    vehicle: QuarterCar,
+    vehicle: Vehicle | QuarterCar,
     crossover: float | None = None,
     dead_band: float = DEAD_BAND,
 ) -> Strategy:
@@ -156,7 +160,7 @@ def selective_groundhook(
     Parameters
     ----------
     {bounds}
-    vehicle : QuarterCar
+    vehicle : Vehicle or QuarterCar
         Gives the static load W, as the gain `static_load` [N], and the crossover.
     crossover : float, optional
         In rad/s. Default: 2 pi times the upper of the two frequencies.
@@ -181,7 +185,8 @@ def selective_groundhook(
     >>> law.command(tire_force=103.1e3, tire_force_rate=rates, suspension_velocity=0.1)
     array([ 1000., 30000.])
     """
-    quick = 2 * np.pi * invariant_frequencies(require_quarter_car(vehicle)).tire_force[-1]
+    car = require_quarter_car(vehicle)
+    quick = 2 * np.pi * invariant_frequencies(car).tire_force[-1]
     rate = quick if crossover is None else check.not_negative("crossover", crossover, unit="rad/s")
 
     def driver(s: Any, g: Any) -> Any:
@@ -190,14 +195,14 @@ def selective_groundhook(
 
     gains: Gains = {
         "crossover": (float(rate), 0.0, 1e3),
-        "static_load": tire_gains(vehicle)["static_load"],
+        "static_load": tire_gains(car)["static_load"],
     }
     return on_off("selective groundhook", driver, c_min, c_max, dead_band, gains)
 
 
 def tire_gains(vehicle: QuarterCar) -> Gains:
     """Return what turns a tire force into a deflection: W [N] and K_t [N/m], as gains."""
-    load = float(require_quarter_car(vehicle).linear.static_loads[0])
+    load = float(vehicle.linear.static_loads[0])
     return {"static_load": (load, 0.0, 1e7), "tire_stiffness": (vehicle.tire_stiffness, 1.0, 1e9)}
 
 

@@ -43,6 +43,8 @@ def pieces_of(
 ) -> int:
     """Pieces of a cell on the bridge that follow every mode; 1 where the effect reads none."""
     rows = (read or crossing.rows)(np.zeros(1))
+    if crossing.linear.tire_damping.any():  # of which cells follow every mode
+        return 1
     if not rows.per_state[crossing.n_vehicle :].any():
         return 1
     widest = float(np.diff(nodes)[nodes[:-1] >= 0].max())

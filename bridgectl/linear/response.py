@@ -124,7 +124,7 @@ def linear_dafs(
             nodes, forces = bridge.cells.nodes, runs.node_forces(crossing, bridge)
             between = Refinement(
                 crossing, speeds[batch], nodes, bridge.states, bridge.forces, forces,
-                pieces_of(crossing, speeds[batch].min(), nodes),
+                pieces_of(crossing, speeds[batch].min(), nodes) if run.plain else 1,
             )  # fmt: skip
             result[batch] = find_peaks(samples.T, between).values
             linear[batch] = ~runs.lifts_off(crossing, stretches)

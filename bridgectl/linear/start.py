@@ -8,7 +8,7 @@ from scipy.linalg import expm
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
 from bridgectl._plausible import PlausibilityWarning
-from bridgectl._warn import warn
+from bridgectl._warn import asker, warn
 from bridgectl.linear.runs import Run, moving, prepare, require_beyond
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
@@ -28,10 +28,14 @@ def begin(
     start: float,
     speeds: float | FloatArray,
     motion: Motion | None = None,
+    *,
+    level: bool = False,
 ) -> Run:
-    """Check a crossing, see `prepare`, and judge its start."""
+    """Check a crossing, see `prepare`, and judge its start; the road may be level before it."""
     run = prepare(crossing, profile, start)
     require_beyond(run)
+    if level and run.profile is not None and crossing.linear.n_tires > 1:
+        run = run._replace(profile=run.profile.crop(run.start, float(run.profile.x[-1])))
     if motion is not None:
         run = moving(run, motion)
     _require_contact(run)
@@ -59,6 +63,8 @@ def _judge_start(run: Run, fastest: float) -> None:
     """
     vehicle, way, paths = run.crossing.linear, -run.start, run.crossing.paths
     if run.profile is None or way == 0 or vehicle.n_tires == 1:
+        return
+    if asker(depth=3) == "package":  # this function, `begin` and the public one
         return
     tires = run.crossing.tire_positions(run.start)
     fronts = tires + paths.signs * paths.offsets

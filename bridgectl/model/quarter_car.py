@@ -104,7 +104,7 @@ class QuarterCar:
 
 
 def require_quarter_car(
-    vehicle: object, why: str = "other vehicles have passive dampers only", name: str = "vehicle"
+    vehicle: object, why: str = "it is of one damper alone", name: str = "vehicle"
 ) -> QuarterCar:
     """Return a vehicle if it is a quarter-car; else refuse it, and tell why no other will do."""
     if not isinstance(vehicle, QuarterCar):

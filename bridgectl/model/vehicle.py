@@ -24,6 +24,7 @@ from bridgectl.model.vehicle_checks import (
 
 GRAVITY = 9.81
 """Acceleration due to gravity g [m/s^2]: the value behind the paper's W = 98.1 kN."""
+ROUND_OFF = 1e-12  # of a damping, relative to those of its coordinates
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -300,10 +301,7 @@ class Vehicle:
     @property
     def undamped(self) -> Vehicle:
         """The vehicle without its passive dampers, `damper_dampings`: controlled ones stay."""
-        passive = self.damper_map.T @ (self.damper_dampings[:, np.newaxis] * self.damper_map)
-        damping = self.damping_matrix - passive
-        zeros = np.zeros_like(self.damper_dampings)
-        return replace(self, damping_matrix=damping, damper_dampings=zeros)
+        return with_dampings(self, np.zeros_like(self.damper_dampings))
 
     @cached_property
     def hubs(self) -> FloatArray:
@@ -381,6 +379,16 @@ class Vehicle:
             outputs=signals("tire_force", self.n_tires) + list(self.coordinates),
             name="vehicle",
         )
+
+
+def with_dampings(vehicle: Vehicle, dampings: FloatArray) -> Vehicle:
+    """Return a vehicle whose passive dampers have other dampings [N s/m], (n_dampers,)."""
+    change, travels = dampings - vehicle.damper_dampings, vehicle.damper_map
+    matrix = vehicle.damping_matrix + travels.T @ (change[:, np.newaxis] * travels)
+    # What round-off leaves of dampers that are taken out would not pass for damping.
+    size = np.sqrt(np.maximum(np.diag(vehicle.damping_matrix), 0.0))
+    matrix[np.abs(matrix) <= ROUND_OFF * np.outer(size, size)] = 0.0
+    return replace(vehicle, damping_matrix=(matrix + matrix.T) / 2, damper_dampings=dampings)
 
 
 def vehicle_states(vehicle: Vehicle) -> list[str]:

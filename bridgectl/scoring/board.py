@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import math
 from collections.abc import Mapping
@@ -19,6 +18,7 @@ from bridgectl._units import to_kmh
 from bridgectl._version import __version__
 from bridgectl.model.bridge import BridgeModel, described
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.scoring.agreement import (
     Paired,
     agreement,
@@ -28,6 +28,7 @@ from bridgectl.scoring.agreement import (
     rank_correlation,
 )
 from bridgectl.scoring.rows import CLASS_DAE, EQ_15, MEASURES, ClassRow, Ranking, Row
+from bridgectl.scoring.study import parameters
 from bridgectl.scoring.text import score_text
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ class Scoreboard:
     fourth_power_95 : ndarray, shape (n_strategies, n_roads)
         Fourth power of the tire force over the static load, averaged over the speeds at each place
         of 0.25 m: what 95 % of the places stay below.
-    beam, vehicle : Beam and QuarterCar
+    beam, vehicle : Beam and Vehicle or QuarterCar
         Bridge and vehicle.
     approach : float
         Road before the bridge that is driven [m].
@@ -89,7 +90,7 @@ class Scoreboard:
     daf_smooth: FloatArray
     fourth_power_95: FloatArray
     beam: BridgeModel = field(repr=False)
-    vehicle: QuarterCar = field(repr=False)
+    vehicle: Vehicle | QuarterCar = field(repr=False)
     approach: float
     road_classes: tuple[str, ...] = ()
     surfaces: Mapping[str, tuple[RampSurface, ...]] = field(default_factory=dict, repr=False)
@@ -257,7 +258,7 @@ class Scoreboard:
         content = {
             "bridgectl": __version__,
             "bridge": described(self.beam),
-            "vehicle": dataclasses.asdict(self.vehicle),
+            "vehicle": parameters(self.vehicle),
             "strategies": self.strategies,
             "damping_N_s_per_m": self.dampings,
             "roads": self.roads,

@@ -10,7 +10,7 @@ import numpy as np
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl.dampers import simulate_loop
-from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
+from bridgectl.dampers.fitted import Dampers, Fitted, fitted
 from bridgectl.road import iso8608_elevations
 from bridgectl.road.iso8608 import Seed
 from bridgectl.road.spectrum import DEFAULT_BAND
@@ -18,7 +18,6 @@ from bridgectl.surface.class_dae import ClassDae
 from bridgectl.surface.histories import FeedbackHistories
 
 if TYPE_CHECKING:
-    from bridgectl.dampers import Strategy
     from bridgectl.surface.surface import RampSurface
 
 SAME_DAF = 2e-5
@@ -34,7 +33,7 @@ def calibrated_class_dae(
     band: tuple[float, float] = DEFAULT_BAND,
     level: str = "mean",
     seed: Seed = 0,
-    damper: Damper | Strategy | None = None,
+    damper: Dampers | None = None,
 ) -> ClassDae:
     """Put a simulated mean of random roads and their mirror images in place of the class DAE's.
 
@@ -95,14 +94,14 @@ def calibrated_class_dae(
 
 
 def _mirror_mean(
-    surface: RampSurface, roads: FloatArray, damper: Damper | Strategy | None
+    surface: RampSurface, roads: FloatArray, damper: Dampers | None
 ) -> tuple[FloatArray, FloatArray]:
     """Return the mean simulated DAF of roads and their mirror images, and its standard error.
 
     In a pair the odd effects of ramps cancel; the pairs are the independent samples. The roads are
     elevations [m], shape (n_pairs, n_ramps + 1); a damper must be the surface's own.
     """
-    device = None if damper is None else as_damper(damper)
+    device = None if damper is None else fitted(damper, surface.vehicle)
     both = np.vstack([roads, -roads])
     if isinstance(surface.histories, FeedbackHistories):
         dafs = _simulated(surface, both, _own(surface.histories.damper, device))
@@ -113,10 +112,10 @@ def _mirror_mean(
     return pairs.mean(axis=0), pairs.std(axis=0, ddof=1) / np.sqrt(len(pairs))
 
 
-def _simulated(surface: RampSurface, roads: FloatArray, damper: Damper) -> FloatArray:
+def _simulated(surface: RampSurface, roads: FloatArray, damper: Fitted) -> FloatArray:
     """Simulated DAFs (n_roads, n_speeds); a smooth road goes along to tell the damper by."""
     smooth, *dafs = simulate_loop(
-        surface.beam, bare_vehicle(surface.vehicle), damper, surface.speeds, surface.stations,
+        surface.beam, surface.vehicle, damper, surface.speeds, surface.stations,
         np.vstack([np.zeros_like(roads[:1]), roads]),
         effect=surface.effect,
     ).daf.T  # fmt: skip
@@ -129,10 +128,10 @@ def _simulated(surface: RampSurface, roads: FloatArray, damper: Damper) -> Float
     return np.array(dafs)
 
 
-def _own(name: str, damper: Damper | None) -> Damper:
+def _own(name: str, damper: Fitted | None) -> Fitted:
     """Return the damper of a surface that knows its name, if it is that."""
-    if damper is None or damper.strategy.name != name:
-        got = "none" if damper is None else repr(damper.strategy.name)
+    if damper is None or damper.name != name:
+        got = "none" if damper is None else repr(damper.name)
         raise ValueError(
             f"damper must be that of the surface, {name!r}, of which it holds the name alone, got "
             f"{got}: type damper=..., the one that ramp_surface was given"
@@ -140,10 +139,11 @@ def _own(name: str, damper: Damper | None) -> Damper:
     return damper
 
 
-def _require_linear(surface: RampSurface, damper: Damper | None) -> None:
-    """Refuse a damper that is not the one of a linear surface's vehicle."""
-    if damper is not None and damper.constant != getattr(surface.vehicle, "damping", None):
+def _require_linear(surface: RampSurface, damper: Fitted | None) -> None:
+    """Refuse dampers that are not those of a linear surface's vehicle."""
+    own = surface.vehicle.linear.damper_dampings
+    if damper is not None and not np.all(damper.constant == own):
         raise ValueError(
             "damper must be that of the surface, whose vehicle has a linear one of its own, got "
-            f"{damper.strategy.name!r}: leave damper out"
+            f"{damper.name!r}: leave damper out"
         )

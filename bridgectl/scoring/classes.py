@@ -13,7 +13,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from bridgectl._checks import FloatArray
-from bridgectl.dampers import Damper
+from bridgectl.dampers.fitted import Fitted
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.model.crossing import Crossing
 from bridgectl.road.iso8608 import ramp_covariance
@@ -51,7 +51,7 @@ def n_class_ramps(n_ramps: int) -> int:
 
 
 def class_part(
-    crossing: Crossing, damper: Damper, speeds: FloatArray, approach: float, road_class: str
+    crossing: Crossing, damper: Fitted, speeds: FloatArray, approach: float, road_class: str
 ) -> dict[str, FloatArray]:
     """Compute the DAFs of a surface of the class, at the places where it has ramps."""
     # R >= 0 is simulated, and the roads tell of lift-off.

@@ -12,12 +12,12 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._units import to_kmh
-from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
+from bridgectl.dampers.fitted import Dampers, fitted
 from bridgectl.dampers.loop.closed_loop import simulate_loop
-from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, require_factor
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.simulate import ramp_surface
 from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH
 from bridgectl.surface.ramps import one_ramp
@@ -80,8 +80,8 @@ class RampHeights:
 
 def ramp_heights(
     beam: BridgeModel,
-    vehicle: QuarterCar,
-    damper: Damper | Strategy,
+    vehicle: Vehicle | QuarterCar,
+    damper: Dampers,
     speed: float,
     place: float,
     *,
@@ -99,8 +99,8 @@ def ramp_heights(
     ----------
     beam, vehicle
         As `simulate_loop`.
-    damper : Damper or Strategy
-        The damper in place of the vehicle's own.
+    damper : Damper or Strategy, or a list or dict of them
+        Dampers in place of the vehicle's own: see `bridgectl.crossing_response`.
     speed : float
         Speed c [m/s].
     place : float
@@ -147,11 +147,11 @@ def ramp_heights(
     """
     velocity = check.positive("speed", speed, unit="m/s")
     before = check.not_negative("approach", approach, unit="m")
-    device, car = as_damper(damper), bare_vehicle(vehicle)
-    crossing = Crossing(beam, car)
+    crossing = Crossing(beam, vehicle)
+    device = fitted(damper, vehicle)
     require_factor(crossing)
     judge_crossing(crossing, velocity)
-    judge_range(car, device)
+    judge_range(vehicle, device)
     ramp = _ramp_at(place, before, beam.length)
     reach = check.positive("largest", largest, unit="m")
     if reach > RAMP_LENGTH:
@@ -175,7 +175,7 @@ def ramp_heights(
     kept = np.unique([0, ramp, ramp + 1, len(both.stations) - 1])
     found = simulate_loop(beam, vehicle, device, velocity, both.stations[kept], roads[:, kept])
     return RampHeights(
-        device.strategy.name, velocity, float(both.positions[ramp]), both.ramp_height, heights,
+        device.name, velocity, float(both.positions[ramp]), both.ramp_height, heights,
         found.daf[0], one.dae(roads)[:, 0], both.dae(roads, order=2)[:, 0],
         np.isfinite(found.lift_off[0]),
     )  # fmt: skip

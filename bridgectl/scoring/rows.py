@@ -20,7 +20,7 @@ MEASURES = {
     "suspension_travel": "largest suspension travel [m]",
     "switching_rate": "switches of the damper [1/s]",
 }
-"""What is known of each strategy, road and speed."""
+"""What is known of each strategy, road and speed; of several tires or legs the worst."""
 
 EQ_15, CLASS_DAE = "mean of Eq. (15)", "class DAE"
 """What orders strategies."""

@@ -10,7 +10,6 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,8 +20,7 @@ from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._progress import shows, track
 from bridgectl._threads import on_one_thread
 from bridgectl._workers import in_processes
-from bridgectl.dampers import Damper, Strategy
-from bridgectl.dampers.actuator import bare_vehicle
+from bridgectl.dampers.fitted import Dampers, Fitted
 from bridgectl.dampers.loop.damped import RampsAndRoads, ramps_and_roads
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.measures import aggregate_fourth_power, dynamic_load_coefficient, weighted_rms
@@ -31,7 +29,8 @@ from bridgectl.measures.loads import CELL, road_stress_factor
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing, require_factor
 from bridgectl.model.effect import Effect
-from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
 from bridgectl.scoring.board import Scoreboard
 from bridgectl.scoring.classes import class_part, class_shapes, class_surface, n_class_ramps
@@ -58,9 +57,9 @@ SIMULATED = tuple(name for name in MEASURES if not name.startswith("dae"))
 
 
 def score(
-    dampers: Sequence[Damper | Strategy],
+    dampers: Sequence[Dampers],
     beam: BridgeModel,
-    vehicle: QuarterCar,
+    vehicle: Vehicle | QuarterCar,
     roads: Sequence[RoadProfile],
     speeds: ArrayLike,
     *,
@@ -77,13 +76,15 @@ def score(
 
     Parameters
     ----------
-    dampers : sequence of Damper or Strategy
+    dampers : sequence of Damper or Strategy, or of lists or dicts of them
         The strategies, each with a name of its own; the first is what others are compared with.
-        A strategy alone gets the defaults of `bridgectl.dampers.Damper`.
+        A strategy alone gets the defaults of `bridgectl.dampers.Damper`; a list has one for each
+        leg of the vehicle: see `bridgectl.crossing_response`.
     beam, section, recovery, effect
         See `bridgectl.daf`.
-    vehicle : QuarterCar
-        The vehicle; its damper is replaced.
+    vehicle : Vehicle or QuarterCar
+        The vehicle; its dampers are replaced. Of several tires, and of the body above several legs,
+        the worst counts: the largest load coefficient, acceleration and travel, the least force.
     roads : sequence of RoadProfile
         Roads that cover approach, bridge and departure; they count in straight pieces of 100 mm.
     speeds : float or array_like
@@ -141,16 +142,14 @@ def score(
         raise TypeError(
             f'resume must name a file, got {type(resume).__name__}: type resume="score.jsonl"'
         )
-    devices = checked_devices(dampers)
-    require_quarter_car(vehicle)
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    devices = checked_devices(dampers, vehicle)
     require_factor(crossing)
     study = make_study(crossing, roads, speeds, approach, departure)
     judge_crossing(crossing, study.speeds, *roads)
     judge_range(vehicle, *devices)
-    bare = replace(crossing, vehicle=bare_vehicle(vehicle))
     require_loop(
-        bare, devices, study.speeds, study.stations, len(roads),
+        devices[0].bare(crossing), devices, study.speeds, study.stations, len(roads),
         n_ramps=study.n_ramps + len(study.classes) * n_class_ramps(study.n_ramps),
         n_recorded=len(RECORDED), at_once=ROADS_AT_ONCE, announced=not shows(progress),
     )  # fmt: skip
@@ -166,18 +165,18 @@ def score(
         with closing(in_processes(_part, [jobs[task] for task in todo], workers)) as found:
             for index, part in track(found, "Scoring strategies", len(todo), show=progress):
                 parts.keep(*todo[index], part)
-        done = {(job[1].strategy.name, job[2]): parts[task] for task, job in jobs.items()}
+        done = {(job[1].name, job[2]): parts[task] for task, job in jobs.items()}
     return _scoreboard(study, devices, roads, done)
 
 
 def _scoreboard(
     study: Study,
-    devices: Sequence[Damper],
+    devices: Sequence[Fitted],
     roads: Sequence[RoadProfile],
     done: Mapping[tuple[str, Piece], Part],
 ) -> Scoreboard:
     """Put the parts together, by strategy and piece."""
-    names = tuple(device.strategy.name for device in devices)
+    names = tuple(device.name for device in devices)
     of_roads = [piece for piece in study.pieces if isinstance(piece, int)]
     own = {
         key: np.array([np.concatenate([done[name, i][key] for i in of_roads]) for name in names])
@@ -215,7 +214,7 @@ def _second_order(
 
 
 @on_one_thread  # as in workers: sums over threads differ in the last digits
-def _part(study: Study, damper: Damper, piece: Piece) -> Part:
+def _part(study: Study, damper: Fitted, piece: Piece) -> Part:
     """Score one strategy on a class, or on some roads: arrays (roads, speeds) of every measure."""
     if isinstance(piece, str):
         return class_part(study.crossing, damper, study.speeds, study.approach, piece)
@@ -226,23 +225,22 @@ def _part(study: Study, damper: Damper, piece: Piece) -> Part:
         np.full(ramps.size, RAMP_HEIGHT), elevations, RECORDED,
     )  # fmt: skip
     found = run.roads
-    duration = (study.stations[-1] - study.stations[0]) / study.speeds
     part = {
         "daf": found.daf.T,
         "least_force": found.least_force.T,
-        "switching_rate": (found.switches / duration[:, np.newaxis]).T,
+        "switching_rate": (found.switches / study.durations[:, np.newaxis]).T,
         **_measure(study, damper, run),
     }
     return part if piece else part | _first_order(study, damper, run)
 
 
-def _first_order(study: Study, damper: Damper, run: RampsAndRoads) -> Part:
+def _first_order(study: Study, damper: Fitted, run: RampsAndRoads) -> Part:
     """DAE of all roads, which comes with the first of them, and DAF of the smooth one."""
     if damper.kept is None:
         grid = RampGrid(study.approach, RAMP_LENGTH, RAMP_HEIGHT, study.n_ramps)
         surface = grid.surface(
             study.crossing, study.speeds, run.smooth, run.unit[np.newaxis],
-            FeedbackHistories(damper.strategy.name),
+            FeedbackHistories(damper.name),
         )  # fmt: skip
     else:  # exact, and quick
         surface = ramp_surface(
@@ -262,25 +260,34 @@ def _shapes(study: Study, piece: Piece) -> Shapes:
     return shapes if piece else shapes | {"dae": (n_roads, n_speeds), "daf_smooth": (n_speeds,)}
 
 
-def _measure(study: Study, damper: Damper, run: RampsAndRoads) -> Part:
+def _measure(study: Study, damper: Fitted, run: RampsAndRoads) -> Part:
     """Measures of the histories: arrays (roads, speeds), and the roads' fourth power."""
-    load = study.vehicle.linear.static_loads[0]
-    rows, fourth = [], []
+    vehicle = study.vehicle.linear
+    load, rows, fourth = vehicle.static_loads[:, np.newaxis], [], []
     for speed, history in zip(study.speeds, run.roads.histories, strict=True):
-        force, ride = history["tire_force"], history["body_acceleration"]
+        # Of each tire or leg, (T or D, roads, samples).
+        force, ride, travel = (
+            each if each.ndim == 3 else each[np.newaxis] for each in (history[k] for k in RECORDED)
+        )
         row = {
             "dynamic_load_coefficient": dynamic_load_coefficient(force, load),
             "tire_force_95": np.percentile(force, 95, axis=-1) / load,
             "road_stress": road_stress_factor(force, load),
             "body_acceleration": rms(ride),
             "weighted_acceleration": weighted_rms(ride, damper.sample_time),
-            "suspension_travel": largest(history["suspension_travel"]),
+            "suspension_travel": largest(travel),
         }
-        rows.append(row)
-        x = study.stations[0] + speed * damper.sample_time * np.arange(force.shape[1])
+        rows.append({name: values.max(axis=0) for name, values in row.items()})
+        x = study.stations[0] + speed * damper.sample_time * np.arange(force.shape[2])
+        tires = x - vehicle.tire_offsets[:, np.newaxis]
         # Longer than a sample's way.
         cell = max(CELL, 2 * speed * damper.sample_time)
-        fourth.append([aggregate_fourth_power(f, load, x, cell).values for f in force])
+        fourth.append(
+            [
+                aggregate_fourth_power(each, load[:, 0], tires, cell).values
+                for each in np.swapaxes(force, 0, 1)
+            ]
+        )
     shortest = min(len(road) for roads in fourth for road in roads)
     places = np.array([[road[:shortest] for road in roads] for roads in fourth]).mean(axis=0)
     return {

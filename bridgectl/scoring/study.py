@@ -16,12 +16,14 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, count_pieces, even_places
-from bridgectl.dampers.actuator import Damper, as_damper
+from bridgectl.dampers.actuator import Damper
+from bridgectl.dampers.fitted import Dampers, Fitted, fitted_everywhere
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel, described
 from bridgectl.model.bridge_effects import Moment
 from bridgectl.model.crossing import Crossing
-from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
 from bridgectl.road.sampling import warn_if_coarse
 from bridgectl.scoring.classes import classes_of, with_surface
@@ -50,9 +52,14 @@ class Study:
         return self.crossing.beam
 
     @property
-    def vehicle(self) -> QuarterCar:
-        """The vehicle, with its own damper."""
-        return require_quarter_car(self.crossing.vehicle)
+    def vehicle(self) -> Vehicle | QuarterCar:
+        """The vehicle, with its own dampers."""
+        return self.crossing.vehicle
+
+    @property
+    def durations(self) -> FloatArray:
+        """Time from the start to where the road ends or the last tire leaves the bridge [s]."""
+        return (max(self.stations[-1], self.crossing.exit) - self.stations[0]) / self.speeds
 
     @property
     def approach(self) -> float:
@@ -93,8 +100,8 @@ def _listed(value: object) -> bool:
     return isinstance(value, Sequence) and not isinstance(value, str)
 
 
-def checked_devices(dampers: Sequence[Damper | Strategy]) -> list[Damper]:
-    """Check the strategies."""
+def checked_devices(dampers: Sequence[Dampers], vehicle: Vehicle | QuarterCar) -> list[Fitted]:
+    """Check the strategies, and fit them to the vehicle."""
     if isinstance(dampers, Damper | Strategy):
         raise TypeError("dampers must be a list of strategies, got one: type [damper]")
     if not _listed(dampers):
@@ -102,12 +109,12 @@ def checked_devices(dampers: Sequence[Damper | Strategy]) -> list[Damper]:
             f"dampers must be a list of strategies, got {type(dampers).__name__}: type "
             "[bridgectl.dampers.passive(7e3), bridgectl.dampers.skyhook(1e3, 30e3)]"
         )
-    devices = [as_damper(damper) for damper in dampers]
+    devices = [fitted_everywhere(damper, vehicle) for damper in dampers]
     if not devices:
         raise ValueError(
             "dampers must hold a strategy, got none: type [bridgectl.dampers.passive(7e3)]"
         )
-    names = [device.strategy.name for device in devices]
+    names = [device.name for device in devices]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise ValueError(
@@ -159,12 +166,12 @@ def _require_different(roads: Sequence[RoadProfile], elevations: FloatArray) -> 
             )
 
 
-def task_name(device: Damper, piece: Piece, n_roads: int) -> str:
+def task_name(device: Fitted, piece: Piece, n_roads: int) -> str:
     """What a piece of the work is called."""
     what = f"class {piece}" if isinstance(piece, str) else (
         f"roads {piece + 1} to {min(piece + ROADS_AT_ONCE, n_roads)}"
     )  # fmt: skip
-    return f"{device.strategy.name}, {what}"
+    return f"{device.name}, {what}"
 
 
 def header(study: Study) -> dict[str, Any]:
@@ -174,7 +181,7 @@ def header(study: Study) -> dict[str, Any]:
     effect = {} if crossing.effect == plain else {"effect": repr(crossing.effect)}
     return {
         "beam": described(study.beam),
-        "vehicle": dataclasses.asdict(study.vehicle),
+        "vehicle": parameters(study.vehicle),
         "speeds": study.speeds.tolist(),
         "stations": [study.stations[0], study.stations[-1], len(study.stations)],
         "section": crossing.section,
@@ -183,10 +190,27 @@ def header(study: Study) -> dict[str, Any]:
     }
 
 
-def key(damper: Damper, study: Study, piece: Piece) -> str:
-    """Tell a damper, and the roads if the piece is of them, from others: their text, shortened."""
+def parameters(vehicle: Vehicle | QuarterCar) -> dict[str, Any]:
+    """Parameters of a vehicle by name, as JSON has them."""
+    return {
+        name: value.tolist() if isinstance(value, np.ndarray) else value
+        for name, value in dataclasses.asdict(vehicle).items()
+    }
+
+
+def key(device: Fitted, study: Study, piece: Piece) -> str:
+    """Tell dampers, and the roads if the piece is of them, from others: their text, shortened."""
+    told = [_told(damper, study) for damper in device.dampers]
+    text = json.dumps(told if len(told) > 1 else told[0])
+    whole = hashlib.sha256(text.encode())
+    if not isinstance(piece, str):
+        whole.update(np.ascontiguousarray(study.elevations).tobytes())
+    return whole.hexdigest()[:16]
+
+
+def _told(damper: Damper, study: Study) -> list[Any]:
     ends = [damper.strategy.for_speed(float(c)) for c in study.speeds[[0, -1]]]
-    told = [
+    return [
         repr(damper.strategy),  # what a strategy chooses gains from is in no function
         [law.function.serialize() for law in ends],
         damper.strategy.gains,
@@ -194,7 +218,3 @@ def key(damper: Damper, study: Study, piece: Piece) -> str:
         [damper.position_error, damper.position_deviation],
         [damper.acceleration_noise, damper.travel_noise],
     ]
-    whole = hashlib.sha256(json.dumps(told).encode())
-    if not isinstance(piece, str):
-        whole.update(np.ascontiguousarray(study.elevations).tobytes())
-    return whole.hexdigest()[:16]

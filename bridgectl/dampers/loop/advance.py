@@ -1,6 +1,6 @@
 """One step of crossings with a damper in the loop, all speeds and roads side by side.
 
-A step is solved for all of them at once; those in which a tire leaves or meets the road, or the
+A step is solved for all of them at once; those in which a tire leaves or meets the road, or a
 damper's force its limit, go through it anew from event to event, each by steps of its own.
 """
 
@@ -13,26 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
-from bridgectl.dampers.actuator import Damper
+from bridgectl.dampers.fitted import Fitted
 from bridgectl.dampers.loop.events import GRAZING, MOST, Bounds, Regime
-from bridgectl.dampers.loop.steps import (
-    AXLE,
-    BODY,
-    DAMPER,
-    MOMENT,
-    POINTS,
-    STAGES,
-    STATES,
-    TIRE,
-    TIRE_LATER,
-    Responses,
-    Steps,
-    make_steps,
-)
+from bridgectl.dampers.loop.steps import MOMENT, POINTS, STAGES, Responses, Rows, Steps, make_steps
 from bridgectl.model.crossing import Crossing
 
 SUBSTITUTIONS = 4
 """How often the forces of a step are put into its equations: each gains more than a digit."""
+
+NO_LAG = 1e-12
+"""Lag [s] of a damper without one, beside others: at the end of no step does it matter."""
 
 CLOSE = 3e-3
 """How far below the largest moment a step's samples may lie and its peak above it, as its share."""
@@ -50,30 +40,33 @@ BETWEEN = QUARTIC @ np.vander(np.linspace(0, 1, 65), 5, increasing=True).T
 
 @dataclass
 class Ends:
-    """A run at the end of a step: arrays (S, R); states (S, 1 + n, R), the first row ones.
+    """A run at the end of a step, of S speeds, R roads, T tires and D dampers.
 
-    The controller's memory is of shape (S, m, R).
+    States are (S, 1 + n, R), the first row ones; the controllers' memory is (S, m, R).
     """
 
     states: FloatArray
     force: FloatArray
-    """Tire force [N]."""
+    """Tire forces [N], (S, T, R)."""
     sampled_force: FloatArray
-    """Tire force at the last sample [N]."""
+    """Tire forces at the last sample [N], (S, T, R)."""
     moment: FloatArray
+    """(S, R)."""
     damping: FloatArray
+    """(S, D, R)."""
     command: FloatArray
+    """(S, D, R)."""
     peak: FloatArray
+    """(S, R)."""
     least: FloatArray
+    """Least tire forces [N], (S, T, R)."""
     lift_off: FloatArray
+    """(S, R)."""
     energy: FloatArray
+    """(S, D, R)."""
     switches: NDArray[np.intp]
+    """(S, D, R)."""
     memory: FloatArray
-
-    @property
-    def velocity(self) -> FloatArray:
-        """y_s' - y_t' [m/s], (S, R)."""
-        return np.asarray(self.states[:, 1 + BODY] - self.states[:, 1 + AXLE])
 
     def view(self, n_speeds: int, n_roads: int) -> Ends:
         """The slowest speeds and the first roads, as they change."""
@@ -103,19 +96,19 @@ class Taken(NamedTuple):
     later: FloatArray
     """u - r at middle and end [m]."""
     coefficients: FloatArray
-    """Dampings at the stages [N s/m], (S, 1 or 2, R)."""
+    """Dampings at the stages [N s/m], (S, 2 D, R), or (S, 1, R) of one that does not change."""
     forces: FloatArray
     """R - W and F at the stages [N], within their bounds."""
     tires: FloatArray
-    """Tire force R at the points [N]."""
+    """Tire forces R at the points [N], (S, 4, T, R)."""
     least: FloatArray
-    """The least of them, (S, R)."""
+    """The least of them, (S, T, R)."""
     moment: FloatArray
     """The states' share of the moment at the points, on the bridge."""
     states: FloatArray
     """States at the end."""
     damping: FloatArray
-    """Damping at the end [N s/m], (S, R)."""
+    """Dampings at the end [N s/m], (S, D, R)."""
 
 
 class Stepper:
@@ -124,18 +117,33 @@ class Stepper:
     def __init__(
         self,
         crossing: Crossing,
-        damper: Damper,
+        dampers: Fitted,
         speeds: FloatArray,
         stations: FloatArray,
         drops: FloatArray,
         responses: Responses,
     ) -> None:
-        self.crossing, self.damper, self.speeds = crossing, damper, speeds
+        self.crossing, self.speeds = crossing, speeds
         self.stations, self.drops, self.responses = stations, drops, responses
-        linear = crossing.linear
-        self.weight, self.stiffness = linear.static_loads[0], linear.tire_stiffnesses[0]
-        limit = None if damper.max_force == np.inf else damper.max_force
-        self.bounds = Bounds(-self.weight, None, limit and -limit, limit)
+        self.rows, linear = Rows.of_crossing(crossing), crossing.linear
+        self.weights = linear.static_loads
+        self.rates = linear.damper_map @ linear.velocities
+        lags = [damper.lag or NO_LAG for damper in dampers.dampers]
+        self.lags, self.lagging = np.array(lags)[:, np.newaxis], max(lags) > NO_LAG
+        self.of_lags = (STAGES[:, np.newaxis] / lags).reshape(-1, 1)
+        self.limits = np.array([damper.max_force for damper in dampers.dampers])
+        self.stiffnesses = linear.tire_stiffnesses
+        # What goes with rows of forces at the stages, one after the other.
+        self.stiffness, self.at_rest, most = (
+            _at_stages(each) for each in (self.stiffnesses, self.weights, self.limits)
+        )
+        self.limiting = bool((self.limits < np.inf).any())
+        limit = most if self.limiting else None
+        self.bounds = Bounds(-self.at_rest, None, limit if limit is None else -limit, limit)
+
+    def velocity(self, states: FloatArray) -> FloatArray:
+        """Suspension velocities y_s' - y_t' [m/s], (S, D, R), of states (S, n, R)."""
+        return self.rates @ states[:, : self.rates.shape[1]]
 
     def steps(self, speeds: FloatArray, edges: FloatArray, *, on_bridge: bool) -> Steps:
         """Matrices of steps: see `make_steps`."""
@@ -160,34 +168,36 @@ class Stepper:
         self, now: Ends, steps: Steps, k: int, bounds: Bounds, roads: NDArray[np.intp] | None = None
     ) -> Taken:
         """Solve a step; of cases, `roads` tells the road of each."""
-        here, n_states = len(now.force), steps.free.shape[-1]
+        here, n_states, rows = len(now.force), steps.free.shape[-1], self.rows
         duration = steps.durations[:here, k, np.newaxis, np.newaxis]
         road = self._road(steps, k, now.force.shape, roads)
         free = steps.free[:here, k] @ now.states[:, :n_states]
         forced = steps.forced[:here, k]
-        damping = self._lagged(now, duration * STAGES[:, np.newaxis])
-        known = free[:, : DAMPER.stop]
-        known[:, TIRE] -= road[:, TIRE]
+        damping = self._at_stages(now, duration)
+        known = free[:, : rows.damper.stop]
+        known[:, rows.tire] -= road[:, rows.tire]
         values, forces = known, np.empty_like(known)
         for attempt in range(SUBSTITUTIONS):
             if attempt:
-                values = forced[:, : DAMPER.stop] @ forces
+                values = forced[:, : rows.damper.stop] @ forces
                 values += known
-            np.multiply(values[:, TIRE], self.stiffness, out=forces[:, TIRE])
-            np.multiply(values[:, DAMPER], damping, out=forces[:, DAMPER])
-            bounds.apply(forces)
-        free[:, DAMPER.stop :] += forced[:, DAMPER.stop :] @ forces
-        later = free[:, TIRE_LATER]
-        later -= road[:, 2:]
-        tires = np.empty_like(forces)
-        np.add(forces[:, TIRE], self.weight, out=tires[:, :2])
-        np.multiply(later, self.stiffness, out=tires[:, 2:])
-        tires[:, 2:] += self.weight
+            np.multiply(values[:, rows.tire], self.stiffness, out=forces[:, rows.tire])
+            np.multiply(values[:, rows.damper], damping, out=forces[:, rows.damper])
+            bounds.apply(forces, rows)
+        free[:, rows.damper.stop :] += forced[:, rows.damper.stop :] @ forces
+        later = free[:, rows.later]
+        later -= road[:, rows.tire.stop :]
+        tires = np.empty((here, 2 * rows.tire.stop, forces.shape[2]))
+        np.add(forces[:, rows.tire], self.at_rest, out=tires[:, rows.tire])
+        pulling = tires[:, rows.tire.stop :]
+        np.multiply(later, self.stiffness, out=pulling)
+        pulling += self.at_rest
         np.maximum(tires, 0.0, out=tires)
-        end = self._lagged(now, duration)[:, 0]
+        tires = tires.reshape(here, len(POINTS), -1, forces.shape[2])
+        end = self._lagged(now, duration)
         return Taken(
             values, later, damping, forces, tires, _over_points(np.minimum, tires),
-            free[:, MOMENT], free[:, STATES : STATES + n_states - 1], end,
+            free[:, MOMENT], free[:, rows.states : rows.states + n_states - 1], end,
         )  # fmt: skip
 
     def _accept(self, now: Ends, steps: Steps, k: int, taken: Taken, *, on_bridge: bool) -> None:
@@ -196,13 +206,15 @@ class Stepper:
         now.states[:, 1 : 1 + taken.states.shape[1]] = taken.states
         now.force[:] = taken.tires[:, -1]
         np.minimum(now.least, taken.least, out=now.least)
-        power = np.einsum("sir,sir->sr", taken.forces[:, DAMPER], taken.stages[:, DAMPER])
-        now.energy += steps.durations[:here, k, np.newaxis] / 2 * power
+        each, count = self.rows.damper, len(self.limits)
+        power = taken.forces[:, each] * taken.stages[:, each]
+        power = power[:, :count] + power[:, count:]
+        now.energy += steps.durations[:here, k, np.newaxis, np.newaxis] / 2 * power
         now.damping[:] = taken.damping
         if on_bridge:
-            moment = taken.tires
-            moment *= steps.influence[:here, k]
-            moment += taken.moment
+            moment, influence = taken.moment, steps.influence[:here, k]
+            for tire in range(len(self.weights)):
+                moment += taken.tires[:, :, tire] * influence[:, :, tire]
             counted = steps.counted[:here, k, np.newaxis]
             if counted.any():
                 _raise_peak(now.peak, now.moment, moment, counted)
@@ -213,14 +225,15 @@ class Stepper:
     ) -> None:
         """One step of some cases, from event to event."""
         x, end = edges.T
-        regime = Regime(now.force > 0, self._limited(now.damping * now.velocity))
+        of_dampers = now.damping * self.velocity(now.states[:, 1:])
+        regime = Regime(now.force[..., 0] > 0, self._limited(of_dampers)[..., 0])
         for attempt in range(MOST):
             last = attempt == MOST - 1  # a force that grazes its bound has all of its bounds
-            bounds = self.bounds if last else regime.bounds(self.weight, self.damper.max_force)
+            bounds = self.bounds if last else regime.bounds(self.weights, self.limits)
             steps, taken = self._case_step(now, cases, x, end, bounds, on_bridge=on_bridge)
             place = regime.next_event(
                 self._tire_forces(taken)[..., 0], self._damper_forces(now, taken)[..., 0],
-                self.damper.max_force,
+                self.limits,
             )  # fmt: skip
             share = 1.0 if last else np.clip(place.min(axis=1), GRAZING, 1.0)
             event = place <= np.reshape(share, (-1, 1))
@@ -228,9 +241,10 @@ class Stepper:
             if np.any(reach < end):
                 steps, taken = self._case_step(now, cases, x, reach, bounds, on_bridge=on_bridge)
             self._accept(now, steps, 0, taken, on_bridge=on_bridge)
-            leaves = event[:, :1] & regime.touching
-            now.lift_off[leaves] = np.minimum(now.lift_off, reach[:, np.newaxis])[leaves]
-            regime = regime.after(event, now.damping * now.velocity)
+            leaves = (event[:, : regime.touching.shape[1]] & regime.touching).any(axis=1)
+            now.lift_off[leaves, 0] = np.minimum(now.lift_off[:, 0], reach)[leaves]
+            ends = now.damping * self.velocity(now.states[:, 1:])
+            regime = regime.after(event, ends[..., 0])
             x = reach
             if np.all(x >= end):
                 break
@@ -248,60 +262,80 @@ class Stepper:
         """One step of each case, from x to end [m]."""
         edges = np.stack([x, end], axis=1)[:, np.newaxis]
         steps = self.steps(self.speeds[cases[0]], edges, on_bridge=on_bridge)
-        return steps, self._take(now, steps, 0, bounds, cases[1][:, np.newaxis])
+        return steps, self._take(now, steps, 0, bounds, cases[1][:, np.newaxis, np.newaxis])
 
     def _with_events(self, now: Ends, taken: Taken) -> Cases:
-        """Cases whose tire leaves or meets the road, or whose damper's force its limit."""
-        turning = np.zeros(now.force.shape, dtype=bool)
+        """Cases of which a tire leaves or meets the road, or a damper's force its limit."""
+        turning = np.zeros(now.peak.shape, dtype=bool)
         if min(now.force.min(), taken.least.min()) <= 0:
             off = np.concatenate([now.force[:, np.newaxis], taken.tires], axis=1) <= 0
-            turning |= off.any(axis=1) & ~off.all(axis=1)
-        if self.damper.max_force < np.inf:
+            turning |= np.any(off.any(axis=1) & ~off.all(axis=1), axis=1)
+        if self.limiting:
             limited = self._limited(self._damper_forces(now, taken))
-            turning |= (limited[:, 1:] != limited[:, :1]).any(axis=1)
+            turning |= (limited[:, 1:] != limited[:, :1]).any(axis=(1, 2))
         speeds, roads = np.nonzero(turning)
         return speeds, roads
 
     def _tire_forces(self, taken: Taken) -> FloatArray:
-        """R at `TIRE_NODES` [N] if the tire could pull, (S, 4, R)."""
-        closer = np.stack([taken.stages[:, TIRE], taken.later], axis=2)  # in the order of places
-        return self.weight + self.stiffness * closer.reshape(len(closer), 4, -1)
+        """R at `TIRE_NODES` [N] if the tires could pull, (S, 4, T, R)."""
+        stages, later = taken.stages[:, self.rows.tire], taken.later
+        n_tires = len(self.weights)
+        # In the order of places: a stage, the middle, the other stage, the end.
+        closer = [of[:, i : i + n_tires] for i in (0, n_tires) for of in (stages, later)]
+        found = self.stiffnesses[:, np.newaxis] * np.stack(closer, axis=1)
+        return np.asarray(self.weights[:, np.newaxis] + found)
 
     def _damper_forces(self, now: Ends, taken: Taken) -> FloatArray:
-        """F at `DAMPER_NODES` without its limit [N], (S, 4, R)."""
-        stages = taken.coefficients * taken.stages[:, DAMPER]
-        end = taken.damping * (taken.states[:, BODY] - taken.states[:, AXLE])
-        return np.stack([now.damping * now.velocity, *np.moveaxis(stages, 1, 0), end], axis=1)
+        """F at `DAMPER_NODES` without their limits [N], (S, 4, D, R)."""
+        stages, count = taken.coefficients * taken.stages[:, self.rows.damper], len(self.limits)
+        start = now.damping * self.velocity(now.states[:, 1:])
+        end = taken.damping * self.velocity(taken.states)
+        return np.stack([start, stages[:, :count], stages[:, count:], end], axis=1)
 
-    def _limited(self, force: FloatArray) -> FloatArray:
-        """Sign of the damper's forces that are beyond the limit, 0 of others."""
-        return np.where(np.abs(force) > self.damper.max_force, np.sign(force), 0.0)
+    def _limited(self, forces: FloatArray) -> FloatArray:
+        """Sign of dampers' forces (..., D, R) that are beyond the limit, 0 of others."""
+        return np.where(np.abs(forces) > self.limits[:, np.newaxis], np.sign(forces), 0.0)
 
     def _road(
         self, steps: Steps, k: int, shape: tuple[int, ...], roads: NDArray[np.intp] | None
     ) -> FloatArray:
-        """Road r at stages, middle and end, (S, 4, R)."""
+        """Road r under each tire at stages, middle and end, (S, 4 T, R)."""
         piece = steps.piece[: shape[0], k]
-        which: Any = (piece[:, np.newaxis], roads)
+        which: Any = (piece[..., np.newaxis], roads)
         if roads is None:  # the first ones: a slice is quicker
-            which = (piece, slice(shape[1]))
+            which = (piece, slice(shape[2]))
         before, after = self.drops[which], self.drops[1:][which]
         share = steps.share[: shape[0], k]
-        return before[:, np.newaxis] + share * (after - before)[:, np.newaxis]
+        found = before[:, np.newaxis] + share * (after - before)[:, np.newaxis]
+        return found.reshape(len(found), -1, found.shape[3])
 
     def damper_force(self, damping: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Force of the damper [N], kept within its limit."""
+        """Forces of the dampers (S, D, R) [N], kept within their limits."""
         force = damping * velocity
-        limit = self.damper.max_force
-        return force if limit == np.inf else np.clip(force, -limit, limit)
+        limits = self.limits[:, np.newaxis]
+        return np.clip(force, -limits, limits) if self.limiting else force
+
+    def _at_stages(self, now: Ends, durations: FloatArray) -> FloatArray:
+        """Dampings at the stages of steps, (S, 2 D, R), or (S, 1, R)."""
+        damping, command = now.damping, now.command
+        if damping.shape[1] > 1:
+            damping, command = (np.concatenate([of, of], axis=1) for of in (damping, command))
+        if not self.lagging:
+            return damping
+        return np.asarray(command + (damping - command) * np.exp(-durations * self.of_lags))
 
     def _lagged(self, now: Ends, durations: FloatArray) -> FloatArray:
-        """Damping some durations (S, m, 1) after the last known one, (S, m or 1, R)."""
-        damping = now.damping[:, np.newaxis]
-        if self.damper.lag == 0:
-            return damping
-        command = now.command[:, np.newaxis]
-        return command + (damping - command) * np.exp(-durations / self.damper.lag)
+        """Dampings some durations (S, 1, 1) after the last known ones, (S, D, R)."""
+        if not self.lagging:
+            return now.damping
+        fading = np.exp(-durations / self.lags)
+        return np.asarray(now.command + (now.damping - now.command) * fading)
+
+
+def _at_stages(of: FloatArray) -> FloatArray:
+    """Values of tires or dampers, a column for both stages; one number, quicker, if all are it."""
+    same = np.all(of == of[0])
+    return np.array(of[0]) if same else np.tile(of, 2)[:, np.newaxis]
 
 
 def _raise_peak(
@@ -321,5 +355,5 @@ def _raise_peak(
 
 
 def _over_points(which: np.ufunc, values: FloatArray) -> FloatArray:
-    """Least or largest of values (S, 4, R) at the points: quicker than a reduction of an axis."""
+    """Least or largest of values (S, 4, ...) at the points: quicker than a reduction of an axis."""
     return np.asarray(which(which(values[:, 0], values[:, 1]), which(values[:, 2], values[:, 3])))

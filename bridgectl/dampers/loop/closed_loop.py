@@ -1,4 +1,4 @@
-"""Crossings with a semi-active damper, for many speeds and roads at once."""
+"""Crossings with semi-active dampers, for many speeds and roads at once."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
-from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
+from bridgectl.dampers.fitted import Dampers, Fitted, fitted
 from bridgectl.dampers.loop.loop import RECORDED, Loop
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.work import require_loop
-from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.road.limits import first_too_steep, require_gentle
 
 
 @on_one_thread
 def simulate_loop(
     beam: BridgeModel,
-    vehicle: QuarterCar,
-    damper: Damper | Strategy,
+    vehicle: Vehicle | QuarterCar,
+    damper: Dampers,
     speeds: ArrayLike,
     stations: ArrayLike,
     elevations: ArrayLike,
@@ -39,16 +39,17 @@ def simulate_loop(
     effect: Effect | str = "moment",
     record: Iterable[str] = (),
 ) -> LoopResult:
-    """Simulate crossings with a semi-active damper in place of the passive one.
+    """Simulate crossings with semi-active dampers in place of the passive ones.
 
     Parameters
     ----------
     beam, section, recovery, effect
         See `bridgectl.daf`.
-    vehicle : QuarterCar
-        The vehicle; its passive damper is taken out.
-    damper : Damper or Strategy
-        The damper; a strategy alone gets the defaults of `Damper`.
+    vehicle : Vehicle or QuarterCar
+        The vehicle; the passive dampers (`damper_dampings`) that others replace are taken out.
+    damper : Damper or Strategy, or a list or dict of them
+        The damper of every leg, or a list of one for each (None for the passive one that it has),
+        or some by `Vehicle.damper_names`. A strategy alone gets the defaults of `Damper`.
     speeds : float or array_like
         Speeds c [m/s].
     stations : array_like, shape (n,)
@@ -57,7 +58,8 @@ def simulate_loop(
     elevations : array_like, shape (n,) or (n_roads, n)
         Elevations of the roads there [m], positive up, nowhere steeper than 1 m/m.
     record : iterable of str, optional
-        Histories to keep: 'tire_force' [N], 'body_acceleration' [m/s^2], ..., 'damping' [N s/m].
+        Histories to keep: 'tire_force' [N] of each tire, and of each leg with a damper
+        'body_acceleration' [m/s^2], ..., 'damping' [N s/m].
 
     Returns
     -------
@@ -78,30 +80,30 @@ def simulate_loop(
     >>> bool(abs(result.daf[0, 0] - bc.daf(bc.li2006.beam(), bc.li2006.car(), 30.0)[0]) < 1e-5)
     True
     """
-    crossing = make_crossing(beam, bare_vehicle(vehicle), effect, section, recovery)
+    crossing = make_crossing(beam, vehicle, effect, section, recovery)
     require_factor(crossing)
-    device = as_damper(damper)
+    devices = fitted(damper, vehicle)
     c = check.speeds(speeds)
     x, z = checked_roads(beam, stations, elevations)
     names = _names(record)
     judge_crossing(crossing, c)
-    judge_range(vehicle, device)
-    return run_loop(crossing, device, c, x, z, names)
+    judge_range(vehicle, devices)
+    return run_loop(devices.bare(crossing), devices, c, x, z, names)
 
 
 def run_loop(
     crossing: Crossing,
-    damper: Damper,
+    dampers: Fitted,
     speeds: FloatArray,
     stations: FloatArray,
     elevations: FloatArray,
     record: tuple[str, ...] = (),
 ) -> LoopResult:
-    """Do what `simulate_loop` was asked for; the crossing is without the vehicle's own damper."""
+    """Do what `simulate_loop` was asked for; the crossing is without what they replace."""
     n_roads = len(elevations)
-    require_loop(crossing, [damper], speeds, stations, n_roads, n_recorded=len(record))
+    require_loop(crossing, [dampers], speeds, stations, n_roads, n_recorded=len(record))
     order = np.argsort(speeds, kind="stable")
-    found = Loop(crossing, damper, speeds[order], stations, elevations, record).run()
+    found = Loop(crossing, dampers, speeds[order], stations, elevations, record).run()
     return found.of_speeds(np.argsort(order))
 
 

@@ -1,4 +1,4 @@
-"""What the rest of the package asks of crossings with a damper: responses, DAFs, ramp surfaces."""
+"""What the rest of the package asks of crossings with dampers: responses, DAFs, ramp surfaces."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl._threads import on_one_thread
 from bridgectl._warn import warn
-from bridgectl.dampers.actuator import Damper, bare_vehicle
+from bridgectl.dampers.actuator import with_damping
+from bridgectl.dampers.fitted import Fitted
 from bridgectl.dampers.loop.advance import Ends
 from bridgectl.dampers.loop.closed_loop import run_loop
 from bridgectl.dampers.loop.loop import Loop
 from bridgectl.dampers.loop.result import LoopResult
-from bridgectl.dampers.loop.steps import SUSPENSION
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.linear.lift_off import LiftOffWarning, warn_of_flight, warn_of_flights
 from bridgectl.linear.runs import Run
@@ -27,56 +27,60 @@ from bridgectl.surface.histories import FeedbackHistories
 from bridgectl.surface.surface import RampSurface
 
 
-def damped_dafs(run: Run, damper: Damper, speeds: FloatArray) -> FloatArray:
+def damped_dafs(run: Run, dampers: Fitted, speeds: FloatArray) -> FloatArray:
     """Return the DAF of one road at some speeds [m/s], shape (n_speeds,)."""
-    found = simulate_run(run, damper, speeds)
+    found = simulate_run(run, dampers, speeds)
     places = dict(zip(speeds.tolist(), found.lift_off[:, 0].tolist(), strict=True))
     warn_of_flights({c: x for c, x in places.items() if x < np.inf}, speeds.size)
     return found.daf[:, 0]
 
 
 @on_one_thread
-def simulate_run(run: Run, damper: Damper, speeds: FloatArray) -> LoopResult:
+def simulate_run(run: Run, dampers: Fitted, speeds: FloatArray) -> LoopResult:
     """Simulate one road at some speeds [m/s]: see `simulate_loop`."""
     x = _stations(run, np.zeros(0))
-    return run_loop(_bare(run.crossing), damper, speeds, x, -run.road(x).T)
+    return run_loop(dampers.bare(run.crossing), dampers, speeds, x, _elevations(run, x))
 
 
 @on_one_thread
 def damped_response(
-    run: Run, speed: float, damper: Damper, asked: FloatArray
+    run: Run, speed: float, dampers: Fitted, asked: FloatArray
 ) -> tuple[Run, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return a run of one crossing without the vehicle's own damper, and what happened in it.
+    """Return a run of one crossing without the dampers' passive ones, and what happened in it.
 
-    That is places [m], states, tire forces and damper forces [N], of shapes (m,), (n, m), (1, m)
-    and (1, m): at places that are asked for [m], by default the ends of all steps.
+    That is places [m], states, tire forces and damper forces [N], of shapes (m,), (n, m),
+    (n_tires, m) and (n_dampers, m): at places that are asked for [m], by default the ends of all
+    steps. The passive dampers that stay are no forces but part of the vehicle.
     """
-    crossing = _bare(run.crossing)
+    crossing = dampers.bare(run.crossing)
     x = _stations(run, asked)
     speeds = np.array([speed])
-    require_loop(crossing, [damper], speeds, x, 1)
-    loop = Loop(crossing, damper, speeds, x, -run.road(x).T)
+    require_loop(crossing, [dampers], speeds, x, 1)
+    loop = Loop(crossing, dampers, speeds, x, _elevations(run, x))
     places: list[float] = [x[0]]
     states: list[FloatArray] = [np.zeros(crossing.n_states)]
-    forces, dampings = [loop.stepper.weight], [0.0]
+    forces: list[FloatArray] = [loop.stepper.weights]
+    dampings: list[FloatArray] = [np.zeros(len(dampers.legs))]
 
     def keep(now: Ends, place: float) -> None:
         places.append(place)
         states.append(now.states[0, 1:, 0].copy())
-        forces.append(now.force[0, 0])
-        dampings.append(now.damping[0, 0])
+        forces.append(now.force[0, :, 0].copy())
+        dampings.append(now.damping[0, :, 0].copy())
 
     place = float(loop.run(keep).lift_off[0, 0])
     if place < np.inf:
         warn_of_flight(place)
-    every, columns = np.array(places), np.array(states).T
+    every = np.array(places)
     wanted = asked if asked.size else every
     index = np.minimum(np.searchsorted(every, wanted - SAME_PLACE), every.size - 1)
-    columns = columns[:, index]
-    velocity = SUSPENSION @ columns[: crossing.n_vehicle]
-    force = loop.stepper.damper_force(np.array(dampings)[index], velocity)
-    tires = np.array(forces)[np.newaxis, index]
-    return run._replace(crossing=crossing), wanted, columns, tires, force[np.newaxis]
+    columns, tires, c = (np.array(of).T[:, index] for of in (states, forces, dampings))
+    velocity = loop.stepper.velocity(columns[np.newaxis])
+    whole = len(run.crossing.linear.damper_map)
+    force = np.zeros((whole, wanted.size))
+    force[list(dampers.legs)] = loop.stepper.damper_force(c[np.newaxis], velocity)[0]
+    still = replace(crossing, vehicle=dampers.without(run.crossing.vehicle))
+    return run._replace(crossing=still), wanted, columns, tires, force
 
 
 class RampsAndRoads(NamedTuple):
@@ -93,17 +97,20 @@ class RampsAndRoads(NamedTuple):
 
 
 def damped_surface(
-    crossing: Crossing, damper: Damper, speeds: FloatArray, grid: RampGrid
+    crossing: Crossing, dampers: Fitted, speeds: FloatArray, grid: RampGrid, name: str
 ) -> RampSurface:
-    """Return the surface of a damper that is not constant: see `bridgectl.ramp_surface`."""
-    histories = FeedbackHistories(damper.strategy.name)
-    if damper.kept is not None:
-        smooth, ramps = _best_kept(crossing, damper.kept, speeds, grid)
+    """Return the surface of dampers that are not constant: see `bridgectl.ramp_surface`.
+
+    It is called by the name of all dampers, constant ones too.
+    """
+    histories = FeedbackHistories(name)
+    if dampers.kept is not None:
+        smooth, ramps = _best_kept(crossing, dampers, speeds, grid)
         return grid.surface(crossing, speeds, smooth, ramps, histories)
     heights, starts = grid.heights, np.arange(0, grid.n_ramps, grid.every)
     kept = np.unique([*starts, *(starts + 1), grid.n_ramps])  # steps end at stations
     found = ramps_and_roads(
-        crossing, damper, speeds, grid.edges[kept],
+        crossing, dampers, speeds, grid.edges[kept],
         np.repeat(np.searchsorted(kept, starts), len(heights)), np.tile(heights, len(starts)),
     )  # fmt: skip
     if found.flights:
@@ -117,14 +124,13 @@ def damped_surface(
 
 
 def _best_kept(
-    crossing: Crossing, dampings: FloatArray, speeds: FloatArray, grid: RampGrid
+    crossing: Crossing, dampers: Fitted, speeds: FloatArray, grid: RampGrid
 ) -> tuple[FloatArray, FloatArray]:
     """DAFs of the smooth road and of ramps, of the best of dampings that a crossing keeps."""
-    bare, dense = bare_vehicle(crossing.vehicle), replace(grid, every=1)
-    surfaces = [
-        linear_surface(replace(crossing, vehicle=replace(bare, damping=float(c))), speeds, dense)
-        for c in dampings
-    ]
+    dense = replace(grid, every=1)
+    kept = [] if dampers.kept is None else dampers.kept.tolist()
+    vehicles = [with_damping(crossing.vehicle, c, dampers.legs) for c in kept]
+    surfaces = [linear_surface(replace(crossing, vehicle=v), speeds, dense) for v in vehicles]
     lowest = np.min if crossing.orientation > 0 else np.max
     names = ("daf_unit", "daf_rise")[: len(grid.heights)]
     best = [lowest([getattr(s, name) for s in surfaces], axis=0) for name in names]
@@ -135,7 +141,7 @@ def _best_kept(
 @on_one_thread
 def ramps_and_roads(
     crossing: Crossing,
-    damper: Damper,
+    dampers: Fitted,
     speeds: FloatArray,
     stations: FloatArray,
     starts: NDArray[np.intp],
@@ -151,8 +157,9 @@ def ramps_and_roads(
     roads.
     """
     whole = np.empty((0, len(stations))) if roads is None else roads
+    bare = dampers.bare(crossing)
     require_loop(
-        _bare(crossing), [damper], speeds, stations, len(whole) + 1, n_ramps=len(starts),
+        bare, [dampers], speeds, stations, len(whole) + 1, n_ramps=len(starts),
         n_recorded=len(record), announced=roads is None,
     )  # fmt: skip
     after = np.arange(len(stations)) > starts[:, np.newaxis]
@@ -162,8 +169,7 @@ def ramps_and_roads(
     begins = np.concatenate([np.full(first, stations[0]), stations[starts]])
     order = np.argsort(speeds, kind="stable")
     found = Loop(
-        _bare(crossing), damper, speeds[order], stations, elevations, record, slice(1, first),
-        begins,
+        bare, dampers, speeds[order], stations, elevations, record, slice(1, first), begins
     ).run().of_speeds(np.argsort(order))  # fmt: skip
     of_roads = found.of_roads(slice(1, first))
     flights = int(np.isfinite(found.lift_off[:, first:]).sum())
@@ -177,5 +183,8 @@ def _stations(run: Run, asked: FloatArray) -> FloatArray:
     return merge_places(np.concatenate([[run.start, run.end], inside, asked]))
 
 
-def _bare(crossing: Crossing) -> Crossing:
-    return replace(crossing, vehicle=bare_vehicle(crossing.vehicle))
+def _elevations(run: Run, x: FloatArray) -> FloatArray:
+    """Elevations of the run's road from its start on [m], (1, n)."""
+    if run.profile is None:
+        return np.zeros((1, len(x)))
+    return -run.profile.drop(x, run.start)[np.newaxis]

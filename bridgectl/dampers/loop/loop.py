@@ -1,6 +1,6 @@
-"""The run of crossings with a damper in the loop, all speeds and roads side by side.
+"""The run of crossings with dampers in the loop, all speeds and roads side by side.
 
-The damping is held over a sample (or follows its lag exactly); between samples the crossing is
+The dampings are held over a sample (or follow their lags exactly); between samples the crossing is
 advanced by the exact steps of `bridgectl.dampers.loop.steps`, cut at the events of
 `bridgectl.dampers.loop.events`.
 """
@@ -13,18 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
-from bridgectl.dampers.actuator import Damper
+from bridgectl._places import SAME_PLACE
+from bridgectl.dampers.fitted import Fitted
+from bridgectl.dampers.legs import Legs
 from bridgectl.dampers.loop.advance import Ends, Stepper
 from bridgectl.dampers.loop.batch_law import BatchLaw
 from bridgectl.dampers.loop.controller import Controller
 from bridgectl.dampers.loop.noise import Errors
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.loop.steps import (
-    AXLE,
-    BODY,
-    STATES,
     Plan,
     Responses,
+    Rows,
     longest_step,
     make_plan,
     times_within,
@@ -37,7 +37,8 @@ BYTES = 32e6
 """Memory that the matrices of the steps made at once may take."""
 
 RECORDED = (*SIGNALS[:-2], "damping")
-"""Histories that can be recorded: what a strategy measures, and c [N s/m]."""
+"""Histories that can be recorded: what a strategy measures at each leg, and c [N s/m]; of the tire
+force that of each tire."""
 
 
 class Loop:
@@ -51,7 +52,7 @@ class Loop:
     def __init__(
         self,
         crossing: Crossing,
-        damper: Damper,
+        dampers: Fitted,
         speeds: FloatArray,
         stations: FloatArray,
         elevations: FloatArray,
@@ -59,28 +60,39 @@ class Loop:
         recorded: slice = slice(None),
         begins: FloatArray | None = None,
     ) -> None:
-        self.crossing, self.damper, self.speeds = crossing, damper, speeds
-        self.recorded = recorded
+        self.crossing, self.dampers, self.speeds = crossing, dampers, speeds
+        self.legs, self.recorded = Legs(crossing.linear), recorded
+        self.every_speed = np.tile(speeds[:, np.newaxis, np.newaxis], (1, len(dampers.legs), 1))
+        stations, elevations = level_beyond(crossing, stations, elevations)
         self.drops = drops_of(elevations)
-        longest = longest_step(crossing, damper.strategy.c_max, crossing.beam.n_modes)
-        longest = min(longest, damper.sample_time)
+        longest = longest_step(crossing, dampers.dampings, crossing.beam.n_modes)
+        longest = min(longest, dampers.sample_time)
         responses = Responses(crossing, longest)
-        self.stepper = Stepper(crossing, damper, speeds, stations, self.drops, responses)
-        parts = times_within(damper.sample_time, longest, damper.lag)
-        self.plan: Plan = make_plan(crossing, speeds, stations, damper.sample_time, parts)
-        gains = damper.strategy.gains_for(crossing, speeds, stations, elevations)
+        self.stepper = Stepper(crossing, dampers, speeds, stations, self.drops, responses)
+        lags = sorted({damper.lag for damper in dampers.dampers})
+        within = [times_within(dampers.sample_time, longest, lag) for lag in lags]
+        parts = within[0] if len(within) == 1 else np.unique(np.concatenate(within))
+        self.plan: Plan = make_plan(crossing, speeds, stations, dampers.sample_time, parts)
+        self.controllers: list[Controller] = []
+        self.errors: list[Errors] = []
         every = np.full(len(elevations), stations[0])
-        law = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
-        roads = stations, self.drops, crossing.beam.length
-        self.errors = Errors(damper, self.plan, speeds, *roads)
-        if not damper.position_deviation:  # else each road has places of its own
-            law.foresee(self.plan.edges[..., 0] + self.errors.places, speeds)
-        self.controller: Controller = law
-        # What is set once for each crossing, its noise, or what is seen ahead differs between roads
-        # from the start.
-        own = bool(gains) or damper.noisy or law.preview.size > 0
+        own = False
+        for leg, damper in enumerate(dampers.dampers):
+            gains = damper.strategy.gains_for(crossing, speeds, stations, elevations)
+            law = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
+            roads = stations, self.drops, crossing.beam.length
+            errors = Errors(damper, self.plan, speeds, *roads, leg)
+            if not damper.position_deviation:  # else each road has places of its own
+                places = self.plan.edges[..., 0] - self.legs.offsets[leg] + errors.places
+                law.foresee(places, speeds)
+            self.controllers.append(law)
+            self.errors.append(errors)
+            # What is set once for each crossing, its noise, or what is seen ahead differs between
+            # roads from the start.
+            own |= bool(gains) or damper.noisy or law.preview.size > 0
         self.begins = every if begins is None or own else begins
-        self.middle = (damper.strategy.c_min + damper.strategy.c_max) / 2
+        strategies = [damper.strategy for damper in dampers.dampers]
+        self.middle = [(law.c_min + law.c_max) / 2 for law in strategies]
         self.kept: dict[str, list[FloatArray]] = {name: [] for name in record}
 
     def run(self, observe: Callable[[Ends, float], None] = lambda now, x: None) -> LoopResult:
@@ -109,32 +121,40 @@ class Loop:
                         self.stepper.advance(view, steps, column, edges, on_bridge=on_bridge)
                         observe(view, float(plan.edges[here - 1, k, step + 1]))
         self._follow(now, known, np.inf)
+        least = (now.least / self.stepper.weights[:, np.newaxis]).min(axis=1)
         return LoopResult(
-            self.crossing.orientation * now.peak, now.least / self.stepper.weight, now.lift_off,
-            now.energy, now.switches, self._histories(),
+            self.crossing.orientation * now.peak, least, now.lift_off, now.energy.sum(axis=1),
+            now.switches.sum(axis=1), self._histories(),
         )  # fmt: skip
 
     def _start(self) -> Ends:
-        shape = len(self.speeds), len(self.begins)
-        states = np.zeros((shape[0], 1 + self.crossing.n_states, shape[1]))
+        n_speeds, n_roads = shape = len(self.speeds), len(self.begins)
+        states = np.zeros((n_speeds, 1 + self.crossing.n_states, n_roads))
         states[:, 0] = 1.0
-        weight, zeros = np.full(shape, self.stepper.weight), np.zeros(shape)
+        weights = np.tile(self.stepper.weights[:, np.newaxis], (n_speeds, 1, n_roads))
+        of_dampers = n_speeds, len(self.controllers), n_roads
+        memories = [controller.start(*shape) for controller in self.controllers]
+        self.of_memory = np.cumsum([0, *(memory.shape[1] for memory in memories)])
         return Ends(
-            states, weight, weight.copy(), zeros, zeros.copy(), zeros.copy(),
-            np.full(shape, -np.inf), np.full(shape, np.inf), np.full(shape, np.inf), zeros.copy(),
-            np.zeros(shape, dtype=np.intp), self.controller.start(*shape),
+            states, weights, weights.copy(), np.zeros(shape), np.zeros(of_dampers),
+            np.zeros(of_dampers), np.full(shape, -np.inf), np.full(weights.shape, np.inf),
+            np.full(shape, np.inf), np.zeros(of_dampers), np.zeros(of_dampers, dtype=np.intp),
+            np.concatenate(memories, axis=1),
         )  # fmt: skip
 
     def _enter(self, now: Ends) -> None:
         """Know the effect where the rounds on the bridge begin."""
         per_force, per_state, constant = self.crossing.rows(self.plan.edges[:, self.plan.entry, 0])
         of_states = np.einsum("n,snr->sr", per_state, now.states[:, 1:])
-        now.moment[:] = per_force * now.force + of_states + constant
+        of_forces = (per_force[..., np.newaxis] * now.force).sum(axis=1)
+        now.moment[:] = of_forces + of_states + constant
 
     def _chunks(self) -> Iterable[tuple[slice, bool]]:
         """Rounds whose steps are made together, and whether they may reach the bridge."""
         n, (_, n_rounds, edges) = self.crossing.n_states, self.plan.edges.shape
-        per_round = 8 * len(self.speeds) * (edges - 1) * (STATES + n) * (5 + n)
+        rows = Rows.of_crossing(self.crossing)
+        per_round = 8 * len(self.speeds) * (edges - 1) * (rows.states + n)
+        per_round *= rows.damper.stop + 1 + n
         size = max(1, int(BYTES / per_round))
         ends = [0, self.plan.entry, n_rounds]
         for first, last, on_bridge in ((*ends[:2], False), (*ends[1:], True)):
@@ -150,64 +170,84 @@ class Loop:
         return reached
 
     def _sample(self, now: Ends, k: int) -> None:
-        """Measure, command, and record: the controller's part of a round."""
+        """Measure, command, and record: the controllers' part of a round."""
         first = self.plan.first[: len(now.force)] == k
-        signals = self._signals(now, k, first)
-        ahead = self._ahead(k, now.force.shape)
-        wanted, now.memory[:] = self.controller.command(signals, now.memory, ahead, k)
-        switched = (wanted > self.middle) != (now.command > self.middle)
-        switched[first] = False
-        now.switches += switched
-        now.command[:] = wanted
-        jumps = np.ones_like(first) if self.damper.lag == 0 else first
-        now.damping[jumps] = wanted[jumps]
+        measured, told = self._signals(now, k, first), list[Mapping[str, FloatArray]]()
+        for leg, (controller, damper) in enumerate(
+            zip(self.controllers, self.dampers.dampers, strict=True)
+        ):
+            own = {name: values[:, leg] for name, values in measured.items()}
+            told.append(self.errors[leg].added(k, own))
+            memory = now.memory[:, slice(*self.of_memory[leg : leg + 2])]
+            ahead = self._ahead(k, now.peak.shape, leg)
+            wanted, memory[:] = controller.command(told[leg], memory, ahead, k)
+            command = now.command[:, leg]
+            switched = (wanted > self.middle[leg]) != (command > self.middle[leg])
+            switched[first] = False
+            now.switches[:, leg] += switched
+            command[:] = wanted
+            jumps = np.ones_like(first) if damper.lag == 0 else first
+            now.damping[jumps, leg] = wanted[jumps]
         now.sampled_force[:] = now.force
         for name, kept in self.kept.items():
-            source = (now.damping if name == "damping" else signals[name])[:, self.recorded]
-            values = np.zeros((len(self.speeds), source.shape[1]))
+            of_all = {"tire_force": now.force, "damping": now.damping}.get(name)
+            source = np.stack([own[name] for own in told], axis=1) if of_all is None else of_all
+            source = source[..., self.recorded]
+            values = np.zeros((len(self.speeds), *source.shape[1:]))
             values[: len(source)] = source
             kept.append(values)
 
-    def _signals(self, now: Ends, k: int, first: NDArray[np.bool_]) -> Mapping[str, FloatArray]:
-        """What the controller measures, by name: arrays (S, R), or (S, 1) for all roads alike."""
-        n, here = self.crossing.n_vehicle, len(now.force)
-        vehicle, linear, velocity = now.states[:, 1 : n + 1], self.crossing.linear, now.velocity
-        damper = self.stepper.damper_force(now.damping, velocity)
-        beyond = now.force - self.stepper.weight
-        rates = {
-            row: linear.state_matrix[row] @ vehicle
-            + linear.tire_input[row, 0] * beyond
-            + linear.damper_input[row, 0] * damper
-            for row in (BODY, AXLE)
-        }
-        body, axle = vehicle[:, BODY], vehicle[:, AXLE]
-        change = (now.force - now.sampled_force) / self.damper.sample_time
+    def _signals(self, now: Ends, k: int, first: NDArray[np.bool_]) -> dict[str, FloatArray]:
+        """What happens at the legs, by name: arrays (S, D, R), or (S, D, 1) for all roads alike."""
+        n, here, legs = self.crossing.n_vehicle, len(now.force), self.legs
+        found = legs.reading @ now.states[:, 1 : n + 1]
+        count = len(legs.rate)
+        body, axle, velocity, travel = (found[:, i * count : (i + 1) * count] for i in range(4))
+        rates, beyond = found[:, 4 * count :], now.force - self.stepper.weights[:, np.newaxis]
+        rates += legs.per_tire @ beyond
+        rates += legs.per_damper @ self.stepper.damper_force(now.damping, velocity)
+        change = legs.under(now.force - now.sampled_force) / self.dampers.sample_time
         change[first] = 0.0
-        return self.errors.added(k, {
-            "body_velocity": body, "axle_velocity": axle,
-            "suspension_travel": vehicle[:, BODY - 1] - vehicle[:, AXLE - 1],
+        place = self.plan.edges[:here, k, :1] - legs.offsets
+        return {
+            "body_velocity": body, "axle_velocity": axle, "suspension_travel": travel,
             "suspension_velocity": velocity,
-            "body_acceleration": rates[BODY], "axle_acceleration": rates[AXLE],
-            "tire_force": now.force, "tire_force_rate": change,
-            "position": self.plan.edges[:here, k, :1], "speed": self.speeds[:here, np.newaxis],
-        })  # fmt: skip
+            "body_acceleration": rates[:, :count], "axle_acceleration": rates[:, count:],
+            "tire_force": legs.under(now.force), "tire_force_rate": change,
+            "position": place[..., np.newaxis], "speed": self.every_speed[:here],
+        }  # fmt: skip
 
-    def _ahead(self, k: int, shape: tuple[int, ...]) -> FloatArray:
+    def _ahead(self, k: int, shape: tuple[int, ...], leg: int) -> FloatArray:
         """Elevations ahead less that under the tire [m], (S, n, R): drops are positive down."""
-        distances, x = self.controller.preview, self.stepper.stations
+        distances, x = self.controllers[leg].preview, self.stepper.stations
         if distances.shape[1] == 0:
             return np.zeros((shape[0], 0, shape[1]))
-        tire = self.plan.edges[: shape[0], k, :1]
+        tire = self.plan.edges[: shape[0], k, :1] - self.legs.offsets[leg]
         places = np.concatenate([tire, tire + distances[: shape[0]]], axis=1)
         piece = np.clip(np.searchsorted(x, places, side="right") - 1, 0, x.size - 2)
-        share = np.minimum((places - x[piece]) / (x[piece + 1] - x[piece]), 1.0)  # level beyond
+        share = np.clip((places - x[piece]) / (x[piece + 1] - x[piece]), 0.0, 1.0)  # level beyond
         drops = self.drops[:, : shape[1]]
         found = drops[piece] + share[..., np.newaxis] * (drops[piece + 1] - drops[piece])
         return np.asarray(found[:, :1] - found[:, 1:])
 
     def _histories(self) -> tuple[dict[str, FloatArray], ...]:
-        every = {name: np.array(kept) for name, kept in self.kept.items()}
+        """Of each speed by name: (R, samples), of several legs or tires (D or T, R, samples)."""
+        every = {name: np.moveaxis(np.array(kept), 0, -1) for name, kept in self.kept.items()}
         return tuple(
-            {name: values[first:last, i].T.copy() for name, values in every.items()}
+            {name: _one(values[i, ..., first:last]) for name, values in every.items()}
             for i, (first, last) in enumerate(zip(self.plan.first, self.plan.last, strict=True))
         )
+
+
+def _one(values: FloatArray) -> FloatArray:
+    """A copy of histories (D or T, R, samples); of the only one (R, samples)."""
+    return np.array(values[0] if len(values) == 1 else values)
+
+
+def level_beyond(
+    crossing: Crossing, stations: FloatArray, elevations: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Lengthen roads (n_roads, n) by a level piece to where the last tire leaves the bridge."""
+    if stations[-1] >= crossing.exit - SAME_PLACE:
+        return stations, elevations
+    return np.append(stations, crossing.exit), np.hstack([elevations, elevations[:, -1:]])

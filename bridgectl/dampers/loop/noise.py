@@ -21,9 +21,10 @@ PIECE = 0.1
 ROUND = 1e-8
 """Drops [m], and speeds [m/s], that differ by less are the same: far above round-off."""
 
-OF_POSITION, OF_SENSORS = 1, 2
+OF_POSITION, OF_SENSORS, OF_LEG = 1, 2, 100
 """What tells random numbers for errors of position, and for the noise of accelerometers and travel
-sensors, from those for velocities."""
+sensors, from those for velocities; and those at a leg, by its number, from the first one's. A
+vehicle has one odometer, and no leg an error of position of its own."""
 
 ROUNDS = 64
 """Rounds whose noise is drawn at once."""
@@ -37,7 +38,7 @@ SENSED = ("body_acceleration", "axle_acceleration", "suspension_travel")
 
 
 class Errors:
-    """What the sensors of a damper tell beside the truth; arguments as of `Noise`."""
+    """What the sensors of the damper of a leg tell beside the truth; arguments as of `Noise`."""
 
     def __init__(
         self,
@@ -47,8 +48,9 @@ class Errors:
         stations: FloatArray,
         drops: FloatArray,
         end: float,
+        leg: int = 0,
     ) -> None:
-        crossings = speeds, stations, drops, end
+        crossings, other = (speeds, stations, drops, end), [OF_LEG + leg] if leg else []
         self.places = np.full((len(speeds), 1), damper.position_error)
         """How far the positions told are beyond the true ones [m], (S, R), or (S, 1) of all roads.
         """
@@ -58,7 +60,7 @@ class Errors:
         a, d = damper.acceleration_noise, damper.travel_noise
         kinds = (NOISY, [damper.velocity_noise] * 2, ()), (SENSED, [a, a, d], (OF_SENSORS,))
         self.noises = [
-            (names, Noise(damper.seed, deviations, plan, *crossings, *kind))
+            (names, Noise(damper.seed, deviations, plan, *crossings, *kind, *other))
             for names, deviations, kind in kinds
             if any(deviations)
         ]
@@ -79,9 +81,9 @@ class Errors:
 class Noise:
     """White noise of each sample, of standard `deviations` in their units, by round of a plan.
 
-    A crossing's noise depends on the seed, its road from start to the `end` of the bridge [m] and
-    its speed: it is the same alone and beside others. Speeds [m/s] have the shape (S,), stations
-    and drops of the roads [m] the shapes (n,) and (n, R).
+    A crossing's noise depends on the seed, the leg, its speed and its road from start to the `end`
+    of the bridge [m]: it is the same alone and beside others. Speeds [m/s] have the shape (S,),
+    stations and drops of the roads [m] the shapes (n,) and (n, R).
     """
 
     def __init__(

@@ -20,16 +20,17 @@ class LoopResult:
     daf : ndarray
         Peak moment over the peak static one [-].
     least_force : ndarray
-        Least tire force over its static load [-], from the first station to the last.
+        Least force of any tire over its static load [-], from the first station to the last.
     lift_off : ndarray
-        Where the tire first leaves the road [m]; infinity if it never does.
+        Where the reference tire is when one first leaves the road [m]; infinity if none does.
     dissipated : ndarray
-        Energy that the damper has taken out [J].
+        Energy that the dampers have taken out [J].
     switches : ndarray
-        Number of times that the command crosses the middle of its range.
+        Number of times that the commands cross the middle of their range.
     histories : tuple of dict
-        For each speed, what was recorded by name, shape (n_roads, n_samples): samples of the
-        controller, the first at the first station. See `simulate_loop` for their units.
+        For each speed, what was recorded by name, shape (n_roads, n_samples), of several dampers
+        or tires (n_dampers or n_tires, n_roads, n_samples): samples of the controllers, the first
+        at the first station. See `simulate_loop` for their units.
     """
 
     daf: FloatArray

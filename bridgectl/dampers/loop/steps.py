@@ -1,9 +1,10 @@
 """Steps of a crossing with a damper in the loop: where they begin and end, and their matrices.
 
-Between samples of the controller a crossing is cut at the stations of the road, the section and
-the ends of the bridge. Within a step vehicle and modes move freely and exactly; the tire force R
-and the damper force F are straight lines through two Gauss points (the stages), and the road under
-the tire is one too. With u = y_t - v at the stages and w = y_s' - y_t',
+Between samples of the controller a crossing is cut where a tire meets stations of the road, the
+section or an end of the bridge. Within a step vehicle and modes move freely and exactly; tire
+forces R and damper forces F are straight lines through two Gauss points (the stages), and the
+road under a tire is one too. With u = y_t - v at the stages and w = y_s' - y_t', of each tire and
+damper,
 
     u = u_free + C_uR (R - W) + C_uF F,    R - W = max(-W, K_t (u - r)),     Eq. (2)
     w = w_free + C_wR (R - W) + C_wF F,    F = c w
@@ -17,6 +18,7 @@ Where a tire leaves or meets the road within a step, or F its limit, the step is
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -45,22 +47,40 @@ MAX_LAG = 0.5
 FORGOTTEN = 5.0
 """Lags after which a change of the damping is over, as far as steps are concerned."""
 
-BODY, AXLE = 1, 3
-"""Places of y_s' and y_t' among a quarter-car's states; each displacement is before its rate."""
+MOMENT = slice(-4, None)
+"""Last rows of a step on the bridge: the states' share of the moment at all `POINTS`."""
 
-SUSPENSION = np.array([0.0, 1.0, 0.0, -1.0])
-"""Suspension velocity y_s' - y_t' of a quarter-car's states."""
+END, ONE = 3, 0
+"""The end among `POINTS`; column of the 1 before the states."""
 
-TIRE, DAMPER = slice(0, 2), slice(2, 4)
-"""Rows of u and of w at the stages, and columns of R and of F."""
 
-TIRE_LATER, STATES, MOMENT = slice(4, 6), 6, slice(-4, None)
-"""Rows of u at middle and end; first row of the states; last rows, on the bridge, those of the
-states' share of the moment at all `POINTS`."""
+class Rows(NamedTuple):
+    """What the rows of a step are, and its columns of forces: at each place every tire's, in turn.
 
-TIRES, END, ONE = (0, 1, 4, 5), 3, 0
-"""Rows of u at all `POINTS`, `TIRE` and `TIRE_LATER`; the end among them; column of the 1 before
-the states."""
+    >>> Rows.of(n_tires=2, n_dampers=1)
+    Rows(tire=slice(0, 4, None), damper=slice(4, 6, None), later=slice(6, 10, None), states=10)
+    """
+
+    tire: slice
+    """Rows of u, and columns of R, at the stages."""
+    damper: slice
+    """Rows of w, and columns of F, at the stages."""
+    later: slice
+    """Rows of u at middle and end."""
+    states: int
+    """First row of the states."""
+
+    @classmethod
+    def of(cls, n_tires: int, n_dampers: int) -> Rows:
+        """Of a vehicle with so many tires and dampers."""
+        forces, first = 2 * n_tires, 2 * (n_tires + n_dampers)
+        later = slice(first, first + forces)
+        return cls(slice(0, forces), slice(forces, first), later, later.stop)
+
+    @classmethod
+    def of_crossing(cls, crossing: Crossing) -> Rows:
+        """Of the vehicle of a crossing."""
+        return cls.of(crossing.linear.n_tires, len(crossing.linear.damper_map))
 
 
 @dataclass(frozen=True)
@@ -86,12 +106,11 @@ class Plan:
         return int(here.sum())
 
 
-def longest_step(crossing: Crossing, c_max: float, n_modes: int) -> float:
+def longest_step(crossing: Crossing, c_max: float | FloatArray, n_modes: int) -> float:
     """Return the longest duration of a step [s], for dampings up to c_max [N s/m]."""
     vehicle = crossing.linear
-    stiffest = vehicle.state_matrix_on_tires() + np.outer(
-        vehicle.damper_input[:, 0], c_max * SUSPENSION
-    )
+    rates = vehicle.damper_map @ vehicle.velocities
+    stiffest = vehicle.state_matrix_on_tires() + (vehicle.damper_input * c_max) @ rates
     fastest = np.abs(np.linalg.eigvals(stiffest)).max()
     return float(
         min(MAX_PHASE / fastest, MAX_MODE_PHASE / np.sort(crossing.beam.omega)[n_modes - 1])
@@ -135,8 +154,8 @@ def make_plan(
     parts : ndarray
         Times within a round at which a step ends [s]: see `times_within`.
     """
-    start, stop, span = stations[0], stations[-1], crossing.beam.length
-    places = np.unique([*stations, *crossing.kinks, 0.0, span])
+    start, stop = stations[0], stations[-1]
+    places = _places(crossing, stations)
     lengths = speeds * sample_time
     entries = np.floor(-start / lengths + SAME_PLACE).astype(np.intp)
     counts = np.ceil((stop - start) / lengths - SAME_PLACE).astype(np.intp)
@@ -160,6 +179,12 @@ def make_plan(
         own[:, 0], own[:, 1:] = samples[:-1], samples[1:, np.newaxis]
         own[rounds, rank + 1] = every
     return Plan(edges, first, first + counts, entry)
+
+
+def _places(crossing: Crossing, stations: FloatArray) -> FloatArray:
+    """Where a tire is at a kink of the road, of the effect or of the bridge [m], rising."""
+    each = np.concatenate([stations, crossing.kinks, [0.0, crossing.beam.length]])
+    return np.unique(np.add.outer(each, crossing.linear.tire_offsets))
 
 
 class Responses:
@@ -203,15 +228,15 @@ class Steps:
     free: FloatArray
     """From [1, states], (S, K, rows, 1 + n)."""
     forced: FloatArray
-    """From [R - W, F] at the stages, (S, K, rows, 4)."""
+    """From [R - W, F] at the stages, (S, K, rows, columns): see `Rows`."""
     influence: FloatArray
-    """Moment per tire force at the points, (S, K, 4, 1)."""
+    """Moment per tire force at the points, (S, K, 4, T, 1)."""
     durations: FloatArray
     """Durations [s], (S, K)."""
     piece: NDArray[np.intp]
-    """Piece of the road that each step runs on, (S, K)."""
+    """Piece of the road that each tire runs on, (S, K, T)."""
     share: FloatArray
-    """Fractions of that piece behind the stages, the middle and the end, (S, K, 4, 1)."""
+    """Fractions of that piece behind the stages, the middle and the end, (S, K, 4, T, 1)."""
     counted: NDArray[np.bool_]
     """Whether a step is one of the crossing of the bridge, (S, K)."""
 
@@ -246,36 +271,51 @@ def make_steps(
     durations = (end - begin) / speeds[:, np.newaxis]
     x = begin[..., np.newaxis] + (end - begin)[..., np.newaxis] * POINTS
     free_vehicle, held_vehicle, free_modes, held_modes = responses.at(durations)
-    n, vehicle = crossing.n_vehicle, crossing.linear
+    n, vehicle, rows = crossing.n_vehicle, crossing.linear, Rows.of_crossing(crossing)
     batch, n_modes = durations.shape, crossing.beam.n_modes if on_bridge else 0
-    n_states = n + 2 * n_modes
-    n_rows = STATES + n_states + (len(POINTS) if on_bridge else 0)
+    n_states, n_tires = n + 2 * n_modes, vehicle.n_tires
+    n_rows = rows.states + n_states + (len(POINTS) if on_bridge else 0)
     free = np.zeros((*batch, n_rows, 1 + n_states))
-    forced = np.zeros((*batch, n_rows, 4))
-    own, by = slice(1, n + 1), slice(STATES, STATES + n)
-    # Columns R and F: a tire, then a damper, each with its values at the stages.
-    held = np.moveaxis(held_vehicle, -1, -2).reshape(*batch, len(POINTS), n, 4)
-    hub, rate = vehicle.hubs[0], SUSPENSION
-    for rows, row in ((TIRE, hub), (DAMPER, rate)):
-        free[..., rows, own] = row @ free_vehicle[..., :2, :, :]
-        forced[..., rows, :] = row @ held[..., :2, :, :]
-    free[..., TIRE_LATER, own] = hub @ free_vehicle[..., 2:, :, :]
-    forced[..., TIRE_LATER, :] = hub @ held[..., 2:, :, :]
+    forced = np.zeros((*batch, n_rows, rows.damper.stop))
+    own, by = slice(1, n + 1), slice(rows.states, rows.states + n)
+    # Columns R, then F: at each stage those of all tires, or dampers.
+    split = np.split(held_vehicle, [n_tires], axis=-1)
+    held = np.concatenate([each.reshape(*each.shape[:-2], -1) for each in split], axis=-1)
+    stages, later = slice(0, 2), slice(2, 4)
+    rates = vehicle.damper_map @ vehicle.velocities
+    for asked, points, read in (
+        (rows.tire, stages, vehicle.hubs),
+        (rows.damper, stages, rates),
+        (rows.later, later, vehicle.hubs),
+    ):
+        free[..., asked, own] = (read @ free_vehicle[..., points, :, :]).reshape(*batch, -1, n)
+        found = read @ held[..., points, :, :]
+        forced[..., asked, :] = found.reshape(*batch, -1, rows.damper.stop)
     free[..., by, own], forced[..., by, :] = free_vehicle[..., 3, :, :], held[..., 3, :, :]
-    influence = np.zeros_like(x)
+    influence = np.zeros((*x.shape, n_tires))
     if on_bridge:
         _add_beam(crossing, free, forced, x, free_modes, held_modes)
-        gains = np.where(x <= crossing.beam.length + SAME_PLACE, 1.0, 0.0)
-        influence = gains * crossing.rows(x).per_force[..., 0]
+        gains = np.where(x <= crossing.exit + SAME_PLACE, 1.0, 0.0)
+        influence = gains[..., np.newaxis] * crossing.rows(x).per_force
         free[..., MOMENT, :] *= gains[..., np.newaxis]
         forced[..., MOMENT, :] *= gains[..., np.newaxis]
-    middle = np.clip(x[..., 2], stations[0], stations[-1])
-    piece = np.clip(np.searchsorted(stations, middle, side="right") - 1, 0, stations.size - 2)
-    share = (x - stations[piece][..., np.newaxis]) / np.diff(stations)[piece][..., np.newaxis]
-    counted = (begin > -SAME_PLACE) & (end < crossing.beam.length + SAME_PLACE)
+    counted = (begin > -SAME_PLACE) & (end < crossing.exit + SAME_PLACE)
     return Steps(
-        free, forced, influence[..., np.newaxis], durations, piece, share[..., np.newaxis], counted
-    )
+        free, forced, influence[..., np.newaxis], durations,
+        *_under_tires(crossing.tire_positions(x), stations), counted,
+    )  # fmt: skip
+
+
+def _under_tires(x: FloatArray, stations: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
+    """Pieces of the road and fractions of them, for tires at the points (S, K, 4, T) of steps.
+
+    Before its start the road is as high as there.
+    """
+    middle = np.clip(x[..., 2, :], stations[0], stations[-1])
+    piece = np.clip(np.searchsorted(stations, middle, side="right") - 1, 0, stations.size - 2)
+    before, length = stations[piece], np.diff(stations)[piece]
+    share = (x - before[..., np.newaxis, :]) / length[..., np.newaxis, :]
+    return piece, np.maximum(share, 0.0)[..., np.newaxis]
 
 
 def _add_beam(
@@ -287,14 +327,19 @@ def _add_beam(
     held_modes: FloatArray,
 ) -> None:
     """Add the modes to the rows and columns of steps on the bridge."""
-    shapes = crossing.beam.mode_shapes(x)
-    n, n_modes = crossing.n_vehicle, crossing.beam.n_modes
-    # Modal states at each point per value of R at each stage: (..., modes, points, 2, stages).
-    modal = held_modes[..., 0] * np.moveaxis(shapes[..., :2, :], -1, -2)[..., None, None, :]
-    per_force = np.zeros_like(forced[..., TIRE])
-    rows, columns = slice(STATES + n, STATES + n + 2 * n_modes), slice(1 + n, None)  # of the modes
-    for point, row in enumerate(TIRES):
-        under = shapes[..., point, :, np.newaxis]
+    shapes = crossing.tire_shapes(x)  # (..., points, tires, modes)
+    n, n_modes, order = crossing.n_vehicle, crossing.beam.n_modes, Rows.of_crossing(crossing)
+    first, n_tires = order.states + n, crossing.linear.n_tires
+    # Modal states at each point per value of R at each stage, of every tire: (..., modes, points,
+    # 2, stages * tires).
+    under_stages = np.moveaxis(shapes[..., :2, :, :], -1, -3)[..., None, None, :, :]
+    modal = held_modes[..., 0][..., np.newaxis] * under_stages
+    modal = modal.reshape(*modal.shape[:-2], -1)
+    per_force = np.zeros_like(forced[..., order.tire])
+    rows, columns = slice(first, first + 2 * n_modes), slice(1 + n, None)  # of the modes
+    tires = np.r_[order.tire, order.later].reshape(len(POINTS), n_tires)
+    for (point, tire), row in np.ndenumerate(tires):
+        under = shapes[..., point, tire, :, np.newaxis]
         own = under * free_modes[..., point, 0, :]
         free[..., row, columns] -= own.reshape(*own.shape[:-2], -1)
         per_force[..., row, :] = -(under * modal[..., point, 0, :]).sum(axis=-2)
@@ -308,5 +353,6 @@ def _add_beam(
         pair = slice(2 * j, 2 * j + 2)
         from_modes[..., pair, pair] = free_modes[..., j, END, :, :]
     per_force[..., rows, :] = at_end.reshape(*at_end.shape[:-3], 2 * n_modes, -1)
-    forced[..., TIRE] += per_force
-    free[..., ONE] = crossing.linear.static_loads[0] * per_force.sum(axis=-1)
+    forced[..., order.tire] += per_force
+    loads = np.tile(crossing.linear.static_loads, 2)
+    free[..., ONE] = (loads * per_force).sum(axis=-1)

@@ -8,7 +8,7 @@ import numpy as np
 
 from bridgectl._checks import FloatArray
 from bridgectl._work import Work, at_least, at_most, require_feasible
-from bridgectl.dampers.actuator import Damper
+from bridgectl.dampers.fitted import Fitted
 from bridgectl.dampers.loop.steps import longest_step
 from bridgectl.linear.estimates import what_counts
 from bridgectl.model.crossing import Crossing
@@ -19,7 +19,7 @@ STEP_SECONDS, ROAD_SECONDS = 2e-4, 3e-7
 
 def require_loop(
     crossing: Crossing,
-    dampers: Sequence[Damper],
+    dampers: Sequence[Fitted],
     speeds: FloatArray,
     stations: FloatArray,
     n_roads: int,
@@ -29,14 +29,14 @@ def require_loop(
     at_once: int | None = None,
     announced: bool = True,
 ) -> None:
-    """Refuse closed-loop crossings that are too much work, one run for each damper.
+    """Refuse closed-loop crossings that are too much work, one run for each of `dampers`.
 
-    The crossing is of the vehicle without its own damper, at speeds [m/s], over roads with stations
-    [m]: so many roads, `at_once` in a run (by default all), unit ramps beside them once, and
-    recorded histories of each road. `announced` tells whether long work needs a word.
+    The crossing is of the vehicle without what they replace, at speeds [m/s], over roads with
+    stations [m]: so many roads, `at_once` in a run (by default all), unit ramps beside them once,
+    and recorded histories of each road. `announced` tells whether long work needs a word.
     """
     dense = min(dampers, key=lambda damper: damper.sample_time)
-    stiff = max(dampers, key=lambda damper: damper.strategy.c_max)
+    stiffest = max(float(damper.dampings.max()) for damper in dampers)
     spacing = float(np.ptp(stations) / (stations.size - 1))  # as a mean
     arguments = what_counts(crossing, speeds) | {
         "roads": at_most(n_roads, 100, what="{value} roads"),
@@ -44,7 +44,7 @@ def require_loop(
         "departure": at_most(float(stations[-1]) - crossing.beam.length, 200.0, "m"),
         "spacing": at_least(spacing, 0.01, "m", "stations {value} apart"),
         "sample_time": at_least(dense.sample_time, 2e-3, "s"),
-        "c_max": at_most(stiff.strategy.c_max, 30e3, "N s/m"),
+        "c_max": at_most(stiffest, 30e3, "N s/m"),
     }
 
     def work(
@@ -56,7 +56,7 @@ def require_loop(
         rounds = way / slowest / sample_time
         longest = min(longest_step(crossing, c_max, int(n_modes)), sample_time)
         steps = rounds * np.ceil(sample_time / longest)
-        steps += way / spacing
+        steps += way / spacing * _apart(crossing.linear.tire_offsets, spacing)
         together = min(roads, roads if at_once is None else at_once)
         runs = max(1.0, roads / together)
         columns = speeds * (roads + n_ramps / 2)  # a ramp counts from where it begins
@@ -67,3 +67,8 @@ def require_loop(
         return Work(memory + 16 * roads * way / spacing, seconds * len(dampers))
 
     require_feasible(work, arguments, announced=announced)
+
+
+def _apart(offsets: FloatArray, spacing: float) -> int:
+    """How often in a spacing of the stations [m] a tire meets one."""
+    return np.unique(np.round(offsets / spacing % 1, 6) % 1).size

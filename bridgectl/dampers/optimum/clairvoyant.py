@@ -30,19 +30,21 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
 from bridgectl._threads import on_one_thread
 from bridgectl._warn import warn
-from bridgectl.dampers.actuator import Damper, as_damper, bare_vehicle
+from bridgectl.dampers.actuator import Damper, with_damping
 from bridgectl.dampers.costate import costate_of
+from bridgectl.dampers.fitted import fitted
+from bridgectl.dampers.gains import damping_bounds
 from bridgectl.dampers.loop.damped import simulate_run
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.optimum.steps import Steps, join, march
-from bridgectl.dampers.strategy import Strategy, damping_bounds
+from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import prepare
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
 from bridgectl.road import RoadProfile
 from bridgectl.road.events import require_road
 
@@ -191,10 +193,13 @@ def clairvoyant(
     >>> print(f"{best.passive_daf:.2f} passive, {best.daf:.2f} at best")
     1.15 passive, 1.12 at best
     """
-    bare = bare_vehicle(vehicle)
+    car = require_quarter_car(vehicle, "the optimum is of one damper alone")
     require_road(road)
     soft, stiff = damping_bounds(c_min, c_max)
-    crossing, c = make_crossing(beam, bare, effect, section, recovery), Motion(speed).speed
+    crossing, c = (
+        make_crossing(beam, with_damping(car, 0.0), effect, section, recovery),
+        Motion(speed).speed,
+    )
     require_factor(crossing)
     run, speeds = prepare(crossing, road, start), np.array([c])
     judge_crossing(crossing, c, road)
@@ -207,7 +212,7 @@ def clairvoyant(
         best = tries[int(np.argmin(peaks))]
         found = steps.damping(best.shares)
         law = _open_loop(steps.positions, found, held, soft, stiff)
-        optimum = simulate_run(run, as_damper(law), speeds)
+        optimum = simulate_run(run, fitted(law, vehicle), speeds)
         if _agrees(optimum, crossing.orientation * min(peaks)):
             break
     else:
@@ -218,7 +223,7 @@ def clairvoyant(
         )
     constant = np.full_like(found, own)
     law = _open_loop(steps.positions, constant, held, soft, stiff)
-    passive = float(simulate_run(run, as_damper(law), speeds).daf[0, 0])
+    passive = float(simulate_run(run, fitted(law, vehicle), speeds).daf[0, 0])
     lowest = float(optimum.daf[0, 0])
     if crossing.orientation * (passive - lowest) <= 0:
         lowest, found, best = passive, constant, _Try(best.shares, NOT_SOLVED)
