@@ -124,8 +124,7 @@ def test_both_routes_agree_within_1e_6_on_more_random_traffic(seed):
 
 
 @pytest.mark.filterwarnings("ignore::bridgectl.PlausibilityWarning")  # no bridge is so
-@pytest.mark.parametrize("method", ["propagator", "control"])
-def test_on_a_nearly_rigid_beam_traffic_does_what_its_vehicles_do_one_by_one(method):
+def test_on_a_nearly_rigid_beam_traffic_does_what_its_vehicles_do_one_by_one():
     stiff = bc.Beam(25, 1e7, 4.865e16, n_modes=1)  # deflects by some nm
     vehicles, factors, opposite = [CAR, TRUCK, CAR], [1.0, 0.7, 0.4], [False, True, False]
     motions, offsets = [BRAKING, QUICKER, bc.Motion(30.0)], [0.0, 6.0, 9.0]
@@ -134,9 +133,7 @@ def test_on_a_nearly_rigid_beam_traffic_does_what_its_vehicles_do_one_by_one(met
     )  # fmt: skip
     effect, t = bc.Moment(10.0), np.linspace(0, 1.1, 56)
     whole = signals_of(
-        bc.crossing_response(
-            stiff, traffic, BRAKING, ROAD, start=-12, timepts=t, effect=effect, method=method
-        )
+        bc.crossing_response(stiff, traffic, BRAKING, ROAD, start=-12, timepts=t, effect=effect)
     )
     moments, tire = np.zeros_like(t), 0
     for i, vehicle in enumerate(vehicles):
@@ -144,7 +141,7 @@ def test_on_a_nearly_rigid_beam_traffic_does_what_its_vehicles_do_one_by_one(met
         own = dataclasses.replace(effect, at=15.0) if opposite[i] else effect
         # Where it is when the first one starts.
         first = float(motions[i].position(BRAKING.time(-12.0) - late))
-        given = {"start": first, "effect": own, "method": method}
+        given = {"start": first, "effect": own}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", bc.PlausibilityWarning)  # of short approaches
             alone = signals_of(
