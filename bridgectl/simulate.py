@@ -27,7 +27,6 @@ from bridgectl.model.effect import Effect
 from bridgectl.model.effects import NamedEffects
 from bridgectl.model.motion import Motion, Speeds, as_motion
 from bridgectl.model.quarter_car import QuarterCar, require_springs
-from bridgectl.model.traffic import require_row
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
 from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, linear_surface, ramp_grid
@@ -349,8 +348,8 @@ def ramp_surface(
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
     crossing.paths.require_alike()
     require_factor(crossing, unless_none=True)
-    beyond = crossing.paths.beyond()
-    grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every, beyond)
+    given = approach, ramp_length, ramp_height, both_ways, every
+    grid = ramp_grid(beam.length, *given, crossing.paths.beyond())
     judge_crossing(crossing, c)
     require_surface(crossing, c, grid.approach, grid.length, method)
     if method == "control":
@@ -375,7 +374,6 @@ def fitted_to(
         return None
     from bridgectl.dampers.fitted import fitted
 
-    require_row(vehicle, "crossings with a damper")
     require_springs(vehicle, "crossings with a damper")
     if motions:
         raise ValueError(f"damper goes with a constant speed: got {motions[0]!r}, leave it out")

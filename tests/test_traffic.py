@@ -263,6 +263,7 @@ def test_histories_of_ramps_superpose_to_those_of_traffic(approach, lanes):
                         lane_factors=lanes)  # fmt: skip
     surface = bc.ramp_surface(BEAM, traffic, [15.0, 25.0], approach=approach, ramp_length=0.5)
     assert surface.stations[-1] == pytest.approx(25 + 3 + approach)
+    assert f"m to {28 + approach:g} m, " in repr(surface)
     road = surface.road(surface.ramps(ROAD) * surface.ramp_height)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", bc.PlausibilityWarning)  # of short approaches
@@ -393,6 +394,10 @@ def test_what_takes_one_row_or_one_speed_says_so():
         bc.crossing_system(BEAM, braking, 22.0)
     with pytest.raises(TypeError, match="a row of them in one lane, in crossings with a damper"):
         bc.daf(BEAM, meeting, 25.0, damper=bc.dampers.skyhook(1e3, 2e4))
+    with pytest.raises(TypeError, match="in one lane, in crossings with a damper"):
+        bc.dampers.simulate_loop(bc.dampers.skyhook(1e3, 2e4), BEAM, meeting, 25.0)
+    with pytest.raises(TypeError, match="in one lane, in animations"):
+        bc.crossing_animation(BEAM, meeting, 25.0)
     odd = dataclasses.replace(BEAM, length=25.03)
     with pytest.raises(ValueError, match=r"ramp_length must fit into the way of 25\.04 m"):
         bc.ramp_surface(odd, meeting, 25.0)

@@ -154,6 +154,7 @@ def bare_vehicle(
 ) -> Vehicle | QuarterCar:
     """Return a vehicle with some controlled dampers, by default all, in place of passive ones."""
     require_dampers(vehicle)
+    require_row(vehicle, "closed loops and scores")
     require_springs(vehicle, "closed loops and scores")
     if isinstance(vehicle, QuarterCar):
         return replace(vehicle, damping=0.0)

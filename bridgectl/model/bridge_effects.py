@@ -33,6 +33,7 @@ class AtSection(Effect):
     """An effect at a place of the bridge; halfway if it is left open."""
 
     at: float | None = None
+    felt_by_lane: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -98,21 +99,15 @@ class AtSection(Effect):
         loads = paths_of(vehicle).lane_factors * vehicle.static_loads
         return np.asarray(self._line(bridge, tires) @ loads)
 
-    def _in_lanes(self, vehicle: Vehicle, rows: EffectRows) -> EffectRows:
-        factors = paths_of(vehicle).lane_factors
-        if np.all(factors == 1):
-            return rows
-        return rows._replace(per_force=rows.per_force * factors)
-
     def _static_places(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
         """Places of the tires as the vehicle creeps across, shape (n, n_tires).
 
         Where a tire is at a kink of the influence line is the peak of one of straight pieces.
         """
         paths, length = paths_of(vehicle), bridge.length
-        last = paths.exit(length)
-        at_kinks = paths.passing(self._kinks(bridge), length, 0.0, last)
-        return paths.places(np.concatenate([at_kinks, np.linspace(0.0, last, FINE)]), length)
+        x = np.linspace(0.0, paths.exit(length), FINE)
+        at_kinks = paths.passing(self._kinks(bridge), length, 0.0, x[-1])
+        return paths.places(np.concatenate([at_kinks, x]), length)
 
 
 @dataclass(frozen=True, repr=False)

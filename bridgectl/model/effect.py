@@ -51,6 +51,8 @@ class Effect(ABC):
     negligible: ClassVar[float] = 3e-5
     """Cells need not follow modes that yield less than this share of what a tire does: they hardly
     act back on it, nor does a peak show it by more than 1e-6."""
+    felt_by_lane: ClassVar[bool] = False
+    """Whether it has the share of tire forces that their lanes have."""
     unit: ClassVar[str]
     label: ClassVar[str]
 
@@ -95,7 +97,10 @@ class Effect(ABC):
         -------
         EffectRows
         """
-        return self._in_lanes(vehicle, self._rows(bridge, vehicle, tires))
+        rows, factors = self._rows(bridge, vehicle, tires), paths_of(vehicle).lane_factors
+        if not self.felt_by_lane or np.all(factors == 1):
+            return rows
+        return rows._replace(per_force=rows.per_force * factors)
 
     def history(
         self,
@@ -209,10 +214,6 @@ class Effect(ABC):
     def _static_places(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
         """Places of the tires, (n, n_tires), among which the static peak is."""
         return -vehicle.tire_offsets[np.newaxis]
-
-    def _in_lanes(self, vehicle: Vehicle, rows: EffectRows) -> EffectRows:
-        """Rows with what lanes take off the tire forces: nothing, but of effects of a bridge."""
-        return rows
 
     def _per_acceleration(self, vehicle: Vehicle) -> float:
         """What the vehicle's acceleration along the road adds [effect's unit per m/s^2]."""

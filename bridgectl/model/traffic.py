@@ -118,7 +118,8 @@ def convoy(
         Distance of each vehicle's reference tire from the bridge when the first enters it [m]:
         behind the first, or before the other end.
     opposite : sequence of bool, optional
-        Which vehicles come from the other end. The road of these is the same one, read backwards.
+        Which vehicles come from the other end. The road of these is the same one, read backwards:
+        it must reach to where they start.
     lane_factors : sequence of float, optional
         Share, up to 1, of each vehicle's tire forces that the beam feels, and of the beam's
         deflection that its tires feel. Default: 1.

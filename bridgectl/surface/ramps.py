@@ -58,6 +58,12 @@ class UnitRamps:
         """Ends of the ramps [m]: where roads given as arrays have their elevations."""
         return ends_of_ramps(self.positions, self.ramp_length)
 
+    @property
+    def _end(self) -> float:
+        """The end of the bridge [m], or of the ramps that vehicles come over from there."""
+        on_bridge = count_pieces(self.approach + self.beam.length, self.ramp_length)
+        return float(self.stations[-1]) if len(self.positions) > on_bridge else self.beam.length
+
     def ramps(self, roads: Roads) -> FloatArray:
         """Ramp scale factors s(i) of a road or of many, Eq. (14): positive for a drop.
 
@@ -88,10 +94,7 @@ class UnitRamps:
         if isinstance(roads, RoadProfile):
             run = prepare(self._crossing, roads, -self.approach, pieces=self.ramp_length)
             require_beyond(run)
-            stop = self.beam.length
-            if len(self.positions) > count_pieces(self.approach + stop, self.ramp_length):
-                stop = float(self.stations[-1])  # with what vehicles from the other end come over
-            ramps = roads.ramps(self.ramp_length, start=-self.approach, stop=stop)
+            ramps = roads.ramps(self.ramp_length, start=-self.approach, stop=self._end)
             return np.asarray(ramps.heights / self.ramp_height)
         if isinstance(roads, Sequence) and any(isinstance(road, RoadProfile) for road in roads):
             return np.array([self.ramps(road) for road in roads])
