@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import control
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
@@ -20,6 +20,7 @@ from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.fine import Refinement, pieces_of
 from bridgectl.linear.lift_off import fly, warn_of_flight, warn_of_flights
 from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.within import all_samples
 from bridgectl.model.motion import Motion
 
 METHODS = ("propagator", "control")
@@ -35,28 +36,36 @@ def linear_response(
     crossing, slowest = run.crossing, run.slowest(motion.speed)
     speed, tail = np.array([slowest]), (run.end - crossing.exit) / slowest
     require_crossing(run, speed, tail=tail, refine=4)
-    nodes = run.nodes(slowest, refine=4)
-    keep = np.arange(len(nodes))
-    if asked is not None:
-        nodes = merge_places(np.concatenate([asked, nodes]))
-        keep = np.searchsorted(nodes, asked - SAME_PLACE)
-    if method == "control":
-        states, forces = reference.simulate_reference(run, motion, nodes)
-    else:
+    if method == "propagator":
+        nodes, keep = _nodes(run, slowest, asked, wide=True)
         stretches = runs.propagate(run, speed, nodes)
         if not runs.lifts_off(crossing, stretches)[0]:
+            if asked is None:
+                return all_samples(run, speed, stretches)
             return nodes[keep], *runs.at_nodes(crossing, stretches, keep)
-        if run.plain:
-            flight = fly(run, motion.speed, nodes)
-            # The places of lift-offs and landings are among its nodes.
-            keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
-            nodes, states, forces = flight.nodes, flight.states, flight.forces
-        else:
-            states, forces = reference.simulate_reference(run, motion, nodes)
+    nodes, keep = _nodes(run, slowest, asked)
+    if method == "propagator" and run.plain:
+        flight = fly(run, motion.speed, nodes)
+        # The places of lift-offs and landings are among its nodes.
+        keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
+        nodes, states, forces = flight.nodes, flight.states, flight.forces
+    else:
+        states, forces = reference.simulate_reference(run, motion, nodes)
     place = runs.first_flight(nodes, forces)
     if place is not None:
         warn_of_flight(place)
     return nodes[keep], states[:, keep], forces[:, keep]
+
+
+def _nodes(
+    run: runs.Run, slowest: float, asked: FloatArray | None, *, wide: bool = False
+) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Nodes of a response [m], what is asked for among them, and which that is: all by default."""
+    nodes = run.nodes(slowest, refine=4, wide=wide)
+    if asked is None:
+        return nodes, np.arange(len(nodes))
+    nodes = merge_places(np.concatenate([asked, nodes]))
+    return nodes, np.searchsorted(nodes, asked - SAME_PLACE)
 
 
 def checked_times(timepts: ArrayLike, run: runs.Run, motion: Motion) -> FloatArray:

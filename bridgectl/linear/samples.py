@@ -15,35 +15,28 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
 from bridgectl._progress import track
 from bridgectl.linear.cells import (
-    FORCE_POINTS,
-    FROM_STAGES,
     GAUSS,
-    N_STAGES,
     SAMPLES,
     bridge_entry,
-    modal_forces,
     sample_positions,
 )
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.fine import Refinement, pieces_of
 from bridgectl.linear.lift_off import fly, warn_of_flights
-from bridgectl.linear.modes import mode_responses
 from bridgectl.linear.nodes import followed
-from bridgectl.linear.pace import Pace, responses
 from bridgectl.linear.peaks import Peaks, find_peaks
 from bridgectl.linear.reference import contact_forces, simulate_reference
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import (
     Run,
-    Stretch,
     connected,
     first_flight,
     lifts_off,
     moving,
-    node_forces,
     propagate,
     speed_batches,
 )
+from bridgectl.linear.within import bridge_samples
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing
 from bridgectl.model.effect import Effect, EffectRows
@@ -204,56 +197,6 @@ def sampled(
     flying = np.flatnonzero(~linear)
     for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
         yield int(i), simulate(run, float(speeds[i]))
-
-
-def bridge_samples(
-    crossing: Crossing, speeds: FloatArray, bridge: Stretch
-) -> tuple[FloatArray, FloatArray]:
-    """States and tire forces at the samples of the bridge, (S, m, n) and (S, m, n_tires)."""
-    vehicle, n, nodes = crossing.linear, crossing.n_vehicle, bridge.cells.nodes
-    pace, points = Pace(nodes, speeds, bridge.run.motion), SAMPLES[1:]
-    durations, kind = pace.durations, pace.kind
-    stages = bridge.stages.reshape(*bridge.stages.shape[:2], 2, N_STAGES, vehicle.n_tires)
-    forces, surface = stages[:, :, 0], stages[:, :, 1]
-    inner = np.empty((*stages.shape[:2], len(points), crossing.n_states))
-
-    on_tires = vehicle.state_matrix_on_tires()
-    free, held = (
-        response[:, kind]
-        for response in responses(on_tires, vehicle.road_input, durations, GAUSS, points)
-    )
-    before, pitched = bridge.states[:, :-1], bridge.run.pitched(nodes)[:, np.newaxis]
-    inner[..., :n] = np.einsum("scpij,scj->scpi", free, before[..., :n] - pitched[:, 0])
-    inner[..., :n] += np.einsum("scpiqk,scqk->scpi", held, surface) + pitched
-
-    free, held = (
-        of[:, kind] for of in mode_responses(crossing.beam, durations, FORCE_POINTS, points)
-    )
-    places = nodes[:-1, np.newaxis] + np.diff(nodes)[:, np.newaxis] * pace.shares(FORCE_POINTS)
-    loads = modal_forces(crossing, places, forces)
-    states = before[..., n:].reshape(*before.shape[:2], -1, 2)
-    of_modes = np.einsum("scjpab,scjb->scpja", free, states)
-    of_modes += np.einsum("scjpaf,scjf->scpja", held, loads)
-    inner[..., n:] = of_modes.reshape(*inner.shape[:3], -1)
-
-    at_nodes = node_forces(crossing, bridge)
-    between = np.einsum("pq,scqk->scpk", FROM_STAGES, forces)
-    ends = node_forces(crossing, bridge, before=True) if bridge.run.jumps else None
-    same = None if ends is None else bridge.states
-    return _interleaved(bridge.states, inner, same), _interleaved(at_nodes, between, ends)
-
-
-def _interleaved(at_nodes: FloatArray, inner: FloatArray, ends: FloatArray | None) -> FloatArray:
-    """Values at nodes (S, C + 1, k) with those at the samples between (S, C, p, k).
-
-    With what is just before the nodes, (S, C + 1, k), if they jump there.
-    """
-    cells = np.concatenate([at_nodes[:, :-1, np.newaxis], inner], axis=2)
-    if ends is not None:
-        last = np.moveaxis(ends[:, 1:], -1, 1)
-        return np.moveaxis(connected(np.moveaxis(cells, -1, 1), last), 1, -1)
-    flat = cells.reshape(len(cells), -1, cells.shape[-1])
-    return np.concatenate([flat, at_nodes[:, -1:]], axis=1)
 
 
 def _samples(
