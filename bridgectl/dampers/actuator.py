@@ -15,6 +15,7 @@ from bridgectl._plausible import judge_damper
 from bridgectl.dampers.legs import require_dampers
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.quarter_car import QuarterCar, require_springs
+from bridgectl.model.traffic import require_row
 from bridgectl.model.vehicle import Vehicle, with_dampings
 
 
