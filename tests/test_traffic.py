@@ -340,6 +340,7 @@ PITCHER = dataclasses.replace(TRUCK, pitch_input=[0, 2e4, 0, 0])
             "vehicles that pitch as they brake",
         ),
         ((TWO, [0, -5]), {"lanes": [1, 2]}, "offsets must be distances behind"),
+        (([], []), {}, "vehicles must hold at least one vehicle"),
     ],
 )
 def test_traffic_that_cannot_be_is_refused(arguments, given, says):
@@ -353,6 +354,7 @@ def test_traffic_that_cannot_be_is_refused(arguments, given, says):
         ({"opposite": True}, "opposite must be a list"),
         ({"opposite": [0, 1]}, "opposite must be True or False"),
         ({"lanes": "left"}, "lanes must be a list"),
+        ({"motions": [20, "fast"]}, "speed must be one number"),
     ],
 )
 def test_what_is_no_list_is_refused(given, says):
@@ -395,7 +397,7 @@ def test_what_takes_one_row_or_one_speed_says_so():
     with pytest.raises(TypeError, match="a row of them in one lane, in crossings with a damper"):
         bc.daf(BEAM, meeting, 25.0, damper=bc.dampers.skyhook(1e3, 2e4))
     with pytest.raises(TypeError, match="in one lane, in crossings with a damper"):
-        bc.dampers.simulate_loop(bc.dampers.skyhook(1e3, 2e4), BEAM, meeting, 25.0)
+        bc.score([bc.dampers.skyhook(1e3, 2e4)], BEAM, meeting, [ROAD], [25.0])
     with pytest.raises(TypeError, match="in one lane, in animations"):
         bc.crossing_animation(BEAM, meeting, 25.0)
     odd = dataclasses.replace(BEAM, length=25.03)
