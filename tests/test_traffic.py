@@ -100,14 +100,16 @@ def compared(seed: int) -> None:
     bridge, start = random_bridge(rng), -rng.uniform(2, 6)
     traffic, motion = random_traffic(rng, bridge.length, start)
     road = None if seed % 4 == 3 else rough_road(seed, -60, bridge.length + 60, 0.3, 5e-4)
-    effects = ["moment", bc.Deflection(), bc.TireForce(traffic.n_tires, sense="smallest")]
+    # Halfway on two spans several axles may hog throughout.
+    moment = bc.Moment(sense="smallest" if isinstance(bridge, bc.Bridge) else "largest")
+    effects = [moment, bc.Deflection(), bc.TireForce(traffic.n_tires, sense="smallest")]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", bc.PlausibilityWarning)  # of short approaches
         fast, slow = (
             bc.daf(bridge, traffic, motion, road, start=start, effect=effects, method=method)
             for method in ("propagator", "control")
         )
-        alone = bc.daf(bridge, traffic, motion, road, start=start)
+        alone = bc.daf(bridge, traffic, motion, road, start=start, effect=moment)
     np.testing.assert_allclose(fast, slow, rtol=0, atol=1e-6)
     np.testing.assert_allclose(alone, fast[0], rtol=0, atol=2e-7)
 

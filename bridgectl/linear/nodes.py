@@ -78,6 +78,8 @@ def cell_nodes(
     fastest, highest = fastest_motion(crossing), followed(crossing, wide=wide)
     on_bridge = cell_width(fastest, highest, speed)
     width = np.where(kinks[1:] < SAME_PLACE, cell_width(fastest, 0.0, speed), on_bridge)
+    # Errors of several vehicles add up.
+    width = width / np.sqrt(crossing.paths.distances.size)
     width = np.minimum(width, MAX_WIDTH / crossing.paths.fastest(kinks[0], kinks[-1]))
     pieces = refine * np.ceil(np.diff(kinks) / width - SAME_PLACE)
     if pieces.sum() > MOST_CELLS:
