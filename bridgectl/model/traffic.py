@@ -148,10 +148,10 @@ def convoy(
     Vehicle(4 coordinates, mass=20000 kg, tires at [0, 5] m behind the first, 2 dampers)
     >>> meeting = bc.convoy([car, car], [0, 10], opposite=[False, True])
     >>> bc.daf(beam, meeting, 25.0).round(3)
-    array([1.045])
+    array([1.088])
     >>> overtaking = bc.convoy([car, car], [0, 10], motions=[15, 25], lane_factors=[1, 0.6])
     >>> bc.daf(beam, overtaking, 15.0).round(3)
-    array([1.072])
+    array([1.042])
     """
     if not isinstance(vehicles, Sequence) or not all(
         isinstance(vehicle, Vehicle | QuarterCar) for vehicle in vehicles
