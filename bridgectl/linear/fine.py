@@ -49,10 +49,10 @@ def pieces_of(
     return mode_pieces(crossing, slowest, nodes) if reads else 1
 
 
-def mode_pieces(crossing: Crossing, slowest: float, nodes: FloatArray) -> int:
-    """Pieces of a cell on the bridge that follow every mode."""
+def mode_pieces(crossing: Crossing, slowest: float, nodes: FloatArray, refine: int = 1) -> int:
+    """Pieces of a cell on the bridge that follow every mode, `refine` times as close."""
     widest = float(np.diff(nodes)[nodes[:-1] >= 0].max())
-    phase = crossing.beam.omega.max() * widest / slowest
+    phase = refine * crossing.beam.omega.max() * widest / slowest
     return 1 if phase < MAX_BEAM_PHASE + 1e-6 else int(np.ceil(phase / FINE_PHASE))
 
 

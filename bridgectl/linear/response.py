@@ -25,6 +25,9 @@ from bridgectl.model.motion import Motion
 
 METHODS = ("propagator", "control")
 
+REFINE = 4
+"""How many times as close as nodes of cells the places of responses are, which people look at."""
+
 
 def linear_response(
     run: runs.Run, motion: Motion, asked: FloatArray | None, method: str
@@ -35,13 +38,13 @@ def linear_response(
     """
     crossing, slowest = run.crossing, run.slowest(motion.speed)
     speed, tail = np.array([slowest]), (run.end - crossing.exit) / slowest
-    require_crossing(run, speed, tail=tail, refine=4)
+    require_crossing(run, speed, tail=tail, refine=REFINE)
     if method == "propagator":
         nodes, keep = _nodes(run, slowest, asked, wide=True)
         stretches = runs.propagate(run, speed, nodes)
         if not runs.lifts_off(crossing, stretches)[0]:
             if asked is None:
-                return all_samples(run, speed, stretches)
+                return all_samples(run, speed, stretches, REFINE)
             return nodes[keep], *runs.at_nodes(crossing, stretches, keep)
     nodes, keep = _nodes(run, slowest, asked)
     if method == "propagator" and run.plain:
@@ -61,7 +64,7 @@ def _nodes(
     run: runs.Run, slowest: float, asked: FloatArray | None, *, wide: bool = False
 ) -> tuple[FloatArray, NDArray[np.intp]]:
     """Nodes of a response [m], what is asked for among them, and which that is: all by default."""
-    nodes = run.nodes(slowest, refine=4, wide=wide)
+    nodes = run.nodes(slowest, REFINE, wide=wide)
     if asked is None:
         return nodes, np.arange(len(nodes))
     nodes = merge_places(np.concatenate([asked, nodes]))

@@ -14,9 +14,9 @@ from bridgectl.model.crossing import Crossing
 
 
 def all_samples(
-    run: Run, speed: FloatArray, stretches: list[Stretch]
+    run: Run, speed: FloatArray, stretches: list[Stretch], refine: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Places, states and tire forces of one crossing, close enough to show every mode.
+    """Places, states and tire forces of one crossing, `refine` times as close as modes need.
 
     Of shapes (m,), (n, m) and (n_tires, m).
     """
@@ -24,7 +24,7 @@ def all_samples(
     every = np.concatenate([*(nodes[:-1] for nodes in cells), cells[-1][-1:]])
     states, forces = at_nodes(crossing, stretches, np.arange(len(every)))
     nodes = cells[-1]
-    pieces = mode_pieces(crossing, float(speed[0]), nodes)
+    pieces = mode_pieces(crossing, float(speed[0]), nodes, refine)
     if pieces == 1:
         return every, states, forces
     points = np.arange(1, pieces) / pieces
@@ -36,7 +36,9 @@ def all_samples(
         np.hstack([known[:, :before], found[0].T])
         for known, found in zip((states, forces), within, strict=True)
     )
-    return places, states, forces
+    # Near the ends of cells the states tell the forces better than the stages do.
+    on_bridge = run.forces(places[before:], states.T[before:], np.full(len(places) - before, speed))
+    return places, states, np.hstack([forces[:, :before], on_bridge.T])
 
 
 def bridge_samples(
