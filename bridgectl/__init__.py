@@ -59,9 +59,10 @@ if TYPE_CHECKING:
     from bridgectl.model.crossing import Crossing
     from bridgectl.model.modal import ModalBridge
     from bridgectl.model.motion import Motion
-    from bridgectl.model.quarter_car import QuarterCar, convoy
+    from bridgectl.model.quarter_car import QuarterCar
     from bridgectl.model.spans import Bridge
     from bridgectl.model.system import crossing_system
+    from bridgectl.model.traffic import convoy
     from bridgectl.model.vehicle import Vehicle
     from bridgectl.model.vehicle_effects import BodyAcceleration, TireForce
     from bridgectl.paper import li2006
@@ -152,9 +153,10 @@ _HOMES = {
     ),
     "model.modal": ("ModalBridge",),
     "model.motion": ("Motion",),
-    "model.quarter_car": ("QuarterCar", "convoy"),
+    "model.quarter_car": ("QuarterCar",),
     "model.spans": ("Bridge",),
     "model.system": ("crossing_system",),
+    "model.traffic": ("convoy",),
     "model.vehicle": ("Vehicle",),
     "model.vehicle_effects": ("BodyAcceleration", "TireForce"),
     "road": (

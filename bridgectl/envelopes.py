@@ -86,6 +86,7 @@ def envelope(
     choice("quantity", quantity, tuple(QUANTITIES))
     crossing = make_crossing(beam, vehicle, recovery=recovery)
     places = places_of(beam, quantity, at)
+    crossing.paths.require_steady(np.array([c]))
     run = begin(crossing, profile, start, c)
     judge_crossing(crossing, c, profile)
     require_crossing(run, np.array([c]))

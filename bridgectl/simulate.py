@@ -25,7 +25,7 @@ from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
 from bridgectl.model.effects import NamedEffects
-from bridgectl.model.motion import Motion, Speeds, as_motion, given_speeds
+from bridgectl.model.motion import Motion, Speeds, as_motion
 from bridgectl.model.quarter_car import QuarterCar, require_springs
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
@@ -79,7 +79,7 @@ def crossing_response(
     damper : bridgectl.dampers.Damper or Strategy, or a list or dict of them, optional
         Semi-active dampers in place of the vehicle's own (`damper_dampings`): one for all, a list
         of one for each (None for a passive one that stays), or some by `Vehicle.damper_names`. At
-        constant speed, and with a road that is level before `start`.
+        constant speed.
     tail : float, optional
         Time of free vibration after the last tire has left the bridge [s].
     timepts : array_like, optional
@@ -117,9 +117,10 @@ def crossing_response(
     """
     motion = as_motion(speed)
     crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
+    crossing.paths.require(motion)
     _checks.choice("method", method, METHODS)
     devices = fitted_to(damper, vehicle, method, [] if motion.uniform else [motion])
-    run = begin(crossing, profile, start, motion.speed, motion, level=devices is not None)
+    run = begin(crossing, profile, start, motion.speed, motion)
     judge_crossing(crossing, motion.speed, profile)
     after = _checks.not_negative("tail", tail, unit="s")
     run = run._replace(end=run.end_of_tail(motion, after))
@@ -192,12 +193,12 @@ def daf(
     >>> bc.daf(beam, car, [50 / 3.6, 110 / 3.6], recovery="li2006").round(4)
     array([1.0551, 1.1302])
     """
-    c, motions = given_speeds(speeds)
     crossings = crossings_of(effect, beam, vehicle, section, recovery)
+    c, motions = crossings[0].paths.given(speeds)
     for crossing in crossings:
         require_factor(crossing)
     devices = fitted_to(damper, vehicle, method, motions)
-    run = begin(crossings[0], profile, start, c, level=devices is not None)
+    run = begin(crossings[0], profile, start, c)
     judge_crossing(crossings[0], c, profile)
     judge_range(vehicle, devices)
     found = _peaks(run, crossings, c, motions, devices, method, progress)
@@ -252,10 +253,10 @@ def peak_effect(
     >>> bc.peak_effect(beam, car, 30.0, effect=bc.Deflection(sense="smallest")).round(5)
     array([-5.e-05])
     """
-    c, motions = given_speeds(speeds)
     crossings = crossings_of(effect, beam, vehicle, section, recovery)
+    c, motions = crossings[0].paths.given(speeds)
     devices = fitted_to(damper, vehicle, method, motions)
-    run = begin(crossings[0], profile, start, c, level=devices is not None)
+    run = begin(crossings[0], profile, start, c)
     judge_crossing(crossings[0], c, profile)
     judge_range(vehicle, devices)
     found = _peaks(run, crossings, c, motions, devices, method, progress)
@@ -345,8 +346,10 @@ def ramp_surface(
     _checks.choice("method", method, METHODS)
     _checks.flag("progress", progress)
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    crossing.paths.require_alike()
     require_factor(crossing, unless_none=True)
-    grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every)
+    given = approach, ramp_length, ramp_height, both_ways, every
+    grid = ramp_grid(beam.length, *given, crossing.paths.beyond())
     judge_crossing(crossing, c)
     require_surface(crossing, c, grid.approach, grid.length, method)
     if method == "control":

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
 from bridgectl.linear.modes import mode_responses
-from bridgectl.linear.pace import Pace, responses
+from bridgectl.linear.pace import Pace, climbed_each, responses
 from bridgectl.linear.stages import solve_stages, vehicle_matrices, vehicle_stages
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
@@ -253,10 +253,14 @@ def build_cells(
     rates = crossing.shape_rates(places[:, :N_STAGES], pace.speeds(GAUSS))
     beam = _beam_maps(crossing, places, rates, kind_of_map, durations, of_beam)
     from_vehicle, spring = vehicle_stages(crossing, free_vehicle, held_vehicle, contact)
+    if crossing.paths.steady:
+        climbed = pace.climbed(GAUSS, vehicle.tire_lags, pace.widths[kind_of_map])
+    else:
+        climbed = climbed_each(pace, GAUSS, vehicle.tire_lags, crossing.paths, nodes)
     to_stages = solve_stages(
         crossing, contact, from_vehicle[:, kind_of_map], spring[:, kind_of_map],
         beam.deflections, beam.compliance,
-        pace.climbed(GAUSS, vehicle.tire_lags, pace.widths[kind_of_map]), pitches,
+        climbed, pitches,
     )  # fmt: skip
 
     q, n_states = beam.compliance.shape[-1], n + 2 * n_modes

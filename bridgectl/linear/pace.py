@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from bridgectl._checks import FloatArray
 from bridgectl.linear.modes import hold_responses
 from bridgectl.model.motion import Motion
+from bridgectl.model.paths import Paths
 
 DEGREE = 14
 """Of the polynomials in the duration of a cell that stand for its responses where durations are
@@ -58,6 +59,18 @@ class Pace:
             return shares
         rates = self.speeds(points) / widths[:, np.newaxis]
         return np.asarray(shares + lags * rates[..., np.newaxis])
+
+
+def climbed_each(
+    pace: Pace, points: FloatArray, lags: FloatArray, paths: Paths, nodes: FloatArray
+) -> FloatArray:
+    """`Pace.climbed` where each tire has a motion of its own, (1, C, p, tires)."""
+    starts, widths = nodes[:-1, np.newaxis], np.diff(nodes)[:, np.newaxis]
+    x, ends = starts + widths * pace.shares(points), paths.ways(nodes)
+    ways = np.diff(ends, axis=0)[:, np.newaxis]
+    shares = (paths.ways(x) - ends[:-1, np.newaxis]) / ways
+    rates = pace.speeds(points)[0][..., np.newaxis] * paths.paces(x) / ways
+    return np.asarray(shares + lags * rates)[np.newaxis]
 
 
 def speeds_at(x: FloatArray, speeds: FloatArray, motion: Motion | None) -> FloatArray:

@@ -133,6 +133,7 @@ def prediction_matrices(
     """
     crossing, c = make_crossing(beam, vehicle, effect, section, recovery), Motion(speed).speed
     run, speeds = begin(crossing, profile, start, c), np.array([c])
+    crossing.paths.require_steady(speeds)
     judge_crossing(crossing, c, profile)
     require_crossing(run, speeds)
     nodes = run.nodes(c)

@@ -76,13 +76,14 @@ def contact_forces(
 
 def _road_inputs(run: Run, motion: Motion, ends: FloatArray, time: FloatArray) -> FloatArray:
     """Inputs of the crossing at times of a piece between two places, where the road is straight."""
-    places = np.clip(motion.position(time), *ends)
+    places, paths = np.clip(motion.position(time), *ends), run.crossing.paths
     first, last = run.road(ends)
-    slopes = ((last - first) / (ends[1] - ends[0]))[:, np.newaxis]
+    ways = paths.ways(ends)
+    slopes = ((last - first) / (ways[1] - ways[0]))[:, np.newaxis]
     inputs = np.zeros((len(run.crossing.input_labels), len(time)))
-    inputs[: len(first)] = first[:, np.newaxis] + slopes * (places - ends[0])
+    inputs[: len(first)] = first[:, np.newaxis] + slopes * (paths.ways(places) - ways[0]).T
     if run.crossing.linear.tire_damping.any():
-        inputs[len(first) : 2 * len(first)] = slopes * motion.speeds(places)
+        inputs[len(first) : 2 * len(first)] = slopes * motion.speeds(places) * paths.paces(places).T
     return inputs
 
 

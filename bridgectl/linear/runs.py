@@ -29,6 +29,8 @@ from bridgectl.linear.nodes import cell_nodes, kink_positions
 from bridgectl.linear.pace import speeds_at
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
+from bridgectl.model.paths import LOOKED_AT
+from bridgectl.model.traffic import Traffic
 from bridgectl.road import RoadProfile
 from bridgectl.road.elevations import falls_of
 from bridgectl.road.sampling import warn_if_coarse
@@ -72,12 +74,17 @@ class Run(NamedTuple):
         tires = self.crossing.tire_positions(x)
         if self.profile is None:
             return np.zeros_like(tires)
-        return self.profile.drop(tires, self.start, level=False)
+        return self.profile.drop(tires, self.datum, level=False)
+
+    @property
+    def datum(self) -> float:
+        """Where the road counts as 0 m high: the start, if it is not one from the other end [m]."""
+        return self.start if self.profile is None else max(self.start, float(self.profile.x[0]))
 
     def initial(self) -> FloatArray:
         """States at the start: the vehicle at rest on the road under each axle, the bridge too."""
         vehicle, state = self.crossing.linear, np.zeros(self.crossing.n_states)
-        if self.profile is None or vehicle.n_tires == 1:
+        if self.profile is None or (vehicle.n_tires == 1 and not self.crossing.paths.opposite[0]):
             return state
         road = self.road(np.array(self.start))
         forces = vehicle.tire_map.T @ (vehicle.tire_stiffnesses * road)
@@ -88,7 +95,7 @@ class Run(NamedTuple):
         """Inputs of the crossing's system for the road at places, (n_inputs, m)."""
         inputs = [self.road(x).T]
         if self.crossing.linear.tire_damping.any():
-            inputs.append(self._falls(x).T * motion.speeds(x))
+            inputs.append(self._falls(x).T * motion.speeds(x) * self.crossing.tire_paces(x).T)
         return np.vstack(inputs)
 
     def forces(
@@ -103,7 +110,8 @@ class Run(NamedTuple):
         beside, road = x, self.road(x)
         if crossing.linear.tire_damping.any():
             beside = x + (-BESIDE if before else BESIDE)
-            road = road + crossing.linear.tire_lags * self._falls(beside) * speeds[..., np.newaxis]
+            along = speeds[..., np.newaxis] * crossing.tire_paces(beside)
+            road = road + crossing.linear.tire_lags * self._falls(beside) * along
         deflections: FloatArray = np.zeros(1)
         if states.shape[-1] > n:
             shapes, rates = crossing.tire_shapes(beside), crossing.shape_rates(beside, speeds)
@@ -192,15 +200,27 @@ def prepare(
                 f"profile must be a bridgectl.RoadProfile, got {type(profile).__name__}: "
                 "type RoadProfile(x, elevation) or read_profile(path), and one road at a time"
             )
-        profile.require(start, crossing.beam.length, "the crossing")
+        first = crossing.paths.covered(start, crossing.beam.length)[0]
+        profile.require(first, crossing.beam.length, "the crossing")
         warn_if_coarse(profile, "dynamic amplification", pieces=pieces)
+    if isinstance(crossing.linear, Traffic) and crossing.paths.motions:
+        x = np.linspace(start, crossing.exit, LOOKED_AT)
+        crossing.linear.require_apart(x, crossing.beam.length)
     return Run(crossing, start, crossing.exit, profile)
+
+
+def require_beyond(run: Run) -> None:
+    """Refuse a road that does not reach to where vehicles from the other end start."""
+    if run.profile is not None:
+        needed = run.crossing.paths.covered(run.start, run.crossing.beam.length)
+        run.profile.require(*needed, "the crossing, with vehicles from the other end,")
 
 
 def moving(run: Run, motion: Motion) -> Run:
     """The crossing with a motion, which must take the vehicle to its end."""
     motion.time(np.array([run.start, run.end]))
-    return run._replace(motion=None if motion.uniform else motion)
+    steady = motion.uniform and run.crossing.paths.steady
+    return run._replace(motion=None if steady else motion)
 
 
 def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> Iterator[slice]:

@@ -9,7 +9,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
 from bridgectl._plausible import PlausibilityWarning
 from bridgectl._warn import asker, warn
-from bridgectl.linear.runs import Run, moving, prepare
+from bridgectl.linear.runs import Run, moving, prepare, require_beyond
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
 from bridgectl.model.vehicle import Vehicle
@@ -28,13 +28,10 @@ def begin(
     start: float,
     speeds: float | FloatArray,
     motion: Motion | None = None,
-    *,
-    level: bool = False,
 ) -> Run:
-    """Check a crossing, see `prepare`, and judge its start; the road may be level before it."""
+    """Check a crossing, see `prepare`, and judge its start."""
     run = prepare(crossing, profile, start)
-    if level and run.profile is not None and crossing.linear.n_tires > 1:
-        run = run._replace(profile=run.profile.crop(run.start, float(run.profile.x[-1])))
+    require_beyond(run)
     if motion is not None:
         run = moving(run, motion)
     _require_contact(run)
@@ -60,14 +57,17 @@ def _judge_start(run: Run, fastest: float) -> None:
     That tells whether what is not known counts, for the vehicle stands still there and has come
     along in truth: a level road instead of a known one, the mirror image ahead of an unknown one.
     """
-    vehicle, way = run.crossing.linear, -run.start
+    vehicle, way, paths = run.crossing.linear, -run.start, run.crossing.paths
     if run.profile is None or way == 0 or vehicle.n_tires == 1:
         return
     if asker(depth=3) == "package":  # this function, `begin` and the public one
         return
-    offsets = vehicle.tire_offsets
-    known = run.start - offsets >= run.profile.x[0] - SAME_PLACE
-    other = np.where(known, 0.0, run.profile.drop(run.start + offsets, run.start))
+    tires = run.crossing.tire_positions(run.start)
+    fronts = tires + paths.signs * paths.offsets
+    ahead, level = (run.profile.drop(x, run.datum) for x in (2 * fronts - tires, fronts))
+    at, signs = run.profile.x, paths.signs
+    known = signs * tires >= np.where(signs > 0, at[0], -at[-1]) - SAME_PLACE
+    other = np.where(known, level, ahead)
     changes = vehicle.tire_stiffnesses * (other - run.road(np.array(run.start)))
     matrix = vehicle.state_matrix_on_tires()
     state = vehicle.flexibility @ (vehicle.tire_map.T @ changes)

@@ -13,6 +13,7 @@ from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.traffic import paths_of
 from bridgectl.model.vehicle import Vehicle
 
 NO_FACTOR = 1e-9
@@ -50,6 +51,8 @@ class Effect(ABC):
     negligible: ClassVar[float] = 3e-5
     """Cells need not follow modes that yield less than this share of what a tire does: they hardly
     act back on it, nor does a peak show it by more than 1e-6."""
+    felt_by_lane: ClassVar[bool] = False
+    """Whether it has the share of tire forces that their lanes have."""
     unit: ClassVar[str]
     label: ClassVar[str]
 
@@ -94,7 +97,10 @@ class Effect(ABC):
         -------
         EffectRows
         """
-        return self._rows(bridge, vehicle, tires)
+        rows, factors = self._rows(bridge, vehicle, tires), paths_of(vehicle).lane_factors
+        if not self.felt_by_lane or np.all(factors == 1):
+            return rows
+        return rows._replace(per_force=rows.per_force * factors)
 
     def history(
         self,
@@ -124,7 +130,7 @@ class Effect(ABC):
         ndarray, shape (m,)
             In the effect's unit [N m, m, N, ...].
         """
-        values = self._rows(bridge, vehicle, tires).values(states.T, forces.T)
+        values = self.rows(bridge, vehicle, tires).values(states.T, forces.T)
         values = values + self._per_acceleration(vehicle) * accelerations
         return values + np.dot(self._per_damper(vehicle), damper) if np.any(damper) else values
 
@@ -170,7 +176,7 @@ class Effect(ABC):
         """
         linear, places = vehicle.linear, np.asarray(x, dtype=np.float64)
         effect = self._on(bridge, linear)
-        return effect._static(bridge, linear, places[..., np.newaxis] - linear.tire_offsets)
+        return effect._static(bridge, linear, paths_of(linear).places(places, bridge.length))
 
     def static_peak(self, bridge: BridgeModel, vehicle: Vehicle) -> float:
         """Largest or smallest value as the vehicle creeps across; 0 where there is none.

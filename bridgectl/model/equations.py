@@ -21,7 +21,9 @@ from bridgectl.model.bridge import (
     slopes_of,
     state_matrix,
 )
+from bridgectl.model.paths import Paths
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.traffic import paths_of
 from bridgectl.model.vehicle import Vehicle, road_signals, signals, vehicle_states
 
 
@@ -54,7 +56,12 @@ class Equations:
     @property
     def exit(self) -> float:
         """Position of the reference tire when the last tire leaves the bridge [m]."""
-        return self.beam.length + float(self.linear.tire_offsets.max())
+        return self.paths.exit(self.beam.length)
+
+    @cached_property
+    def paths(self) -> Paths:
+        """Where the tires are: see `bridgectl.model.paths`."""
+        return paths_of(self.linear)
 
     def tire_positions(self, x: ArrayLike) -> FloatArray:
         """Positions of the tires for the reference tire at x.
@@ -69,7 +76,7 @@ class Equations:
         ndarray, shape (..., n_tires)
             Positions [m].
         """
-        return np.asarray(x, dtype=np.float64)[..., np.newaxis] - self.linear.tire_offsets
+        return self.paths.places(x, self.beam.length)
 
     def tire_shapes(self, x: ArrayLike) -> FloatArray:
         """Mode shapes under the tires.
@@ -85,9 +92,29 @@ class Equations:
         Returns
         -------
         ndarray, shape (..., n_tires, n_modes)
-            Dimensionless, zero off the bridge: see `Beam.mode_shapes`.
+            Dimensionless, zero off the bridge: see `Beam.mode_shapes`. Times lane factors.
         """
-        return self.beam.mode_shapes(self.tire_positions(x))
+        return self._in_lanes(self.beam.mode_shapes(self.tire_positions(x)))
+
+    def _in_lanes(self, shapes: FloatArray) -> FloatArray:
+        """Shapes under tires (..., n_tires, n_modes) as tires feel them in their lanes."""
+        factors = self.paths.lane_factors
+        return shapes if np.all(factors == 1) else factors[:, np.newaxis] * shapes
+
+    def tire_paces(self, x: ArrayLike) -> FloatArray:
+        """How far tires go along the bridge as the reference tire goes 1 m.
+
+        Parameters
+        ----------
+        x : array_like
+            Positions of the reference tire [m], any shape.
+
+        Returns
+        -------
+        ndarray, shape (..., n_tires)
+            Dimensionless; negative from the other end.
+        """
+        return self.paths.signs * self.paths.paces(np.asarray(x, dtype=np.float64))
 
     def shape_rates(self, x: ArrayLike, speeds: ArrayLike) -> FloatArray | None:
         """Rates at which the shapes under the tires change as these move, c phi_x.
@@ -104,8 +131,9 @@ class Equations:
         """
         if not self.linear.tire_damping.any():
             return None
-        slopes = slopes_of(self.beam)(self.tire_positions(x))
-        return np.asarray(np.asarray(speeds)[..., np.newaxis, np.newaxis] * slopes)
+        slopes = self._in_lanes(slopes_of(self.beam)(self.tire_positions(x)))
+        along = np.asarray(speeds)[..., np.newaxis] * self.tire_paces(x)
+        return np.asarray(along[..., np.newaxis] * slopes)
 
     def leading_deflections(
         self, modes: FloatArray, shapes: FloatArray, rates: FloatArray | None

@@ -1,14 +1,12 @@
-"""The quarter-car, and several vehicles in a row."""
+"""The quarter-car, and what a vehicle must be."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import control
 import numpy as np
-from scipy.linalg import block_diag
 
 from bridgectl import _checks
 from bridgectl._plausible import judge_quarter_car
@@ -140,70 +138,3 @@ def require_pair(beam: object, vehicle: object) -> None:
             f"got {type(vehicle).__name__}: type for example "
             "bridgectl.QuarterCar(9000, 1000, 80e3, 1.8e6, 7e3), after the beam"
         )
-
-
-def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -> Vehicle:
-    """Return several vehicles on one lane as one `Vehicle`.
-
-    Parameters
-    ----------
-    vehicles : sequence of Vehicle or QuarterCar
-        The vehicles; nothing but the bridge couples them.
-    offsets : sequence of float
-        Distance of each vehicle's reference tire behind that of the first [m].
-
-    Returns
-    -------
-    Vehicle
-        Its coordinates are those of the vehicles with suffixes '_1', '_2', ...
-
-    Raises
-    ------
-    TypeError, ValueError
-        If there is no vehicle, or not one offset for each, of 0 m or more.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> bc.convoy([bc.li2006.car(), bc.li2006.car()], [0, 5])
-    Vehicle(4 coordinates, mass=20000 kg, tires at [0, 5] m behind the first, 2 dampers)
-    """
-    if not isinstance(vehicles, Sequence) or not all(
-        isinstance(vehicle, Vehicle | QuarterCar) for vehicle in vehicles
-    ):
-        raise TypeError("vehicles must be a list of Vehicle or QuarterCar: type [front, rear]")
-    members = [vehicle.linear for vehicle in vehicles]
-    if not members:
-        raise ValueError("vehicles must hold at least one vehicle")
-    behind = _checks.array("offsets", offsets, (len(members),), unit="m")
-    if behind.min() < 0:
-        raise ValueError(
-            f"offsets must be distances behind the first vehicle, 0 m or more, got {offsets}: "
-            f"type {(behind - behind.min()).tolist()}, or the vehicles in the order they drive in"
-        )
-    places = [car.body_places + offset for car, offset in zip(members, behind, strict=True)]
-    ends = block_diag(*(car.body_map.reshape(-1, car.n_coordinates) for car in members))
-    return Vehicle(
-        mass_matrix=block_diag(*(car.mass_matrix for car in members)),
-        damping_matrix=block_diag(*(car.damping_matrix for car in members)),
-        stiffness_matrix=block_diag(*(car.stiffness_matrix for car in members)),
-        tire_stiffnesses=np.concatenate([car.tire_stiffnesses for car in members]),
-        tire_offsets=np.concatenate(
-            [car.tire_offsets + offset for car, offset in zip(members, behind, strict=True)]
-        ),
-        tire_map=block_diag(*(car.tire_map for car in members)),
-        damper_map=block_diag(*(car.damper_map for car in members)),
-        heave=np.concatenate([car.heave for car in members]),
-        body_places=np.concatenate(places),
-        body_map=ends.reshape(-1, 2, ends.shape[1]),
-        coordinates=[
-            f"{name}_{i}" for i, car in enumerate(members, start=1) for name in car.coordinates
-        ],
-        damper_axles=block_diag(*(car.damper_axles for car in members)),
-        damper_dampings=np.concatenate([car.damper_dampings for car in members]),
-        damper_names=[
-            f"{name}_{i}" for i, car in enumerate(members, start=1) for name in car.damper_names
-        ],
-        tire_damping=np.concatenate([car.tire_damping for car in members]),
-        pitch_input=np.concatenate([car.pitch_input for car in members]),
-    )

@@ -91,5 +91,6 @@ def crossing_system(
     """
     motion = as_motion(speed)
     crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
+    crossing.paths.require(motion)
     judge_crossing(crossing, motion.speed)
     return crossing.system(motion, name)

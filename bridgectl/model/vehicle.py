@@ -195,7 +195,7 @@ class Vehicle:
         )
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Vehicle):
+        if not isinstance(other, Vehicle) or type(other) is not type(self):
             return NotImplemented
         return all(
             np.array_equal(getattr(self, field.name), getattr(other, field.name))

@@ -19,6 +19,8 @@ from bridgectl._places import SAME_PLACE, even_places
 from bridgectl.linear.cells import SAMPLES, Cells, bridge_entry, build_cells
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.runs import BESIDE, Run, speed_batches
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.surface.factored import FactoredHistories, joined
 
 BATCH_BYTES = 16e6
@@ -134,7 +136,8 @@ def factor_histories(
     nodes = np.append(nodes, nodes[-1] + beyond)
     at_work = _ramps_of_cells(run, nodes, ramp_length, n_ramps)
     at_work = at_work.reshape(n_blocks, per_block, -1)
-    share = (np.diff(nodes) / ramp_length).reshape(n_blocks, per_block)
+    share = np.diff(nodes)[:, np.newaxis] / ramp_length * run.crossing.paths.signs
+    share = share.reshape(at_work.shape)
     if run.jumps:
         at_work, share = _with_next(at_work), _with_next(share)
     local, place = _local_ramps(at_work.reshape(n_blocks, -1), n_ramps)
@@ -189,11 +192,10 @@ def _local_ramps(
 def _block_rises(place: NDArray[np.intp], share: FloatArray, n_places: int) -> FloatArray:
     """Rise under each tire in each cell per height of the block's ramps.
 
-    `place` has shape (B, K, tires), the result (B, K, tires, n_places - 1).
+    `place` and `share` have shape (B, K, tires), the result (B, K, tires, n_places - 1).
     """
     rises = np.zeros((*place.shape, n_places))
-    share = np.broadcast_to(share.reshape(*place.shape[:2], 1, 1), (*place.shape, 1))
-    np.put_along_axis(rises, place[..., np.newaxis], share, axis=-1)
+    np.put_along_axis(rises, place[..., np.newaxis], share[..., np.newaxis], axis=-1)
     return rises[..., :-1]
 
 
@@ -210,27 +212,51 @@ def _entry_states(run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int
     past = (crossing.tire_positions(0.0)[:, np.newaxis] - starts) / ramp_length
     # Ends of ramps under a tire at the entry are passed, but for round-off.
     past = np.where(np.abs(past - np.round(past)) * ramp_length < SAME_PLACE, np.round(past), past)
-    states[:, crossing.n_states :] = np.clip(past, 0.0, 1.0)
+    states[:, crossing.n_states :] = under_tires(crossing, past)
     duration = ramp_length / speeds
-    for tire, ramps in enumerate(past):
-        # Vehicle, road under the tire and its rate of climb: a ramp is a unit of the last.
-        chain = np.zeros((n + 2, n + 2))
-        chain[:n, :n] = vehicle.state_matrix_on_tires()
-        chain[:n, n] = vehicle.road_input[:, tire]
-        on_ramp = chain.copy()
-        on_ramp[n, n + 1] = 1.0
-        on_ramp[:n, n + 1] = vehicle.road_input[:, tire] * vehicle.tire_lags[tire]
-        climbed = np.nonzero(ramps >= 1)[0]
-        if climbed.size:
-            left = _expm(on_ramp, duration)[..., n + 1 :] / duration[:, np.newaxis, np.newaxis]
-            last = _expm(chain, duration * (ramps[climbed[-1]] - 1)) @ left
-            after = _repeated(last, _expm(chain, duration), climbed.size)
-            states[:, :n, : climbed.size] += after[:, :n]
-        for ramp in np.nonzero((ramps > 0) & (ramps < 1))[0]:
-            states[:, :n, ramp] += (
-                _expm(on_ramp, duration * ramps[ramp])[:, :n, n + 1] / duration[:, np.newaxis]
-            )
+    for tire, (ramps, sign) in enumerate(zip(past, crossing.paths.signs, strict=True)):
+        # From the other end the last ramp is met first, and rises where others fall.
+        if sign < 0:
+            ramps = 1 - ramps[::-1]
+        left = _left_by_ramps(vehicle, tire, ramps, duration)
+        states[:, :n] += sign * left[..., :: int(sign)]
     return states
+
+
+def _left_by_ramps(
+    vehicle: Vehicle, tire: int, ramps: FloatArray, duration: FloatArray
+) -> FloatArray:
+    """States of the vehicle per height of ramps that a tire has met, (S, n, n_ramps).
+
+    It is past so much of each of the `ramps`, of which one takes it so long [s], (S,).
+    """
+    n = 2 * vehicle.n_coordinates
+    states = np.zeros((len(duration), n, len(ramps)))
+    # Vehicle, road under the tire and its rate of climb: a ramp is a unit of the last.
+    chain = np.zeros((n + 2, n + 2))
+    chain[:n, :n] = vehicle.state_matrix_on_tires()
+    chain[:n, n] = vehicle.road_input[:, tire]
+    on_ramp = chain.copy()
+    on_ramp[n, n + 1] = 1.0
+    on_ramp[:n, n + 1] = vehicle.road_input[:, tire] * vehicle.tire_lags[tire]
+    climbed = np.nonzero(ramps >= 1)[0]
+    if climbed.size:
+        left = _expm(on_ramp, duration)[..., n + 1 :] / duration[:, np.newaxis, np.newaxis]
+        last = _expm(chain, duration * (ramps[climbed[-1]] - 1)) @ left
+        states[..., : climbed.size] = _repeated(last, _expm(chain, duration), climbed.size)[:, :n]
+    for ramp in np.nonzero((ramps > 0) & (ramps < 1))[0]:
+        part = _expm(on_ramp, duration * ramps[ramp])[:, :n, n + 1]
+        states[..., ramp] = part / duration[:, np.newaxis]
+    return states
+
+
+def under_tires(crossing: Crossing, past: FloatArray) -> FloatArray:
+    """Road under tires per height of ramps of which they are past so much, (..., tires, ramps).
+
+    Tires from the other end have all ramps ahead of them, and count from beyond.
+    """
+    beyond = crossing.paths.signs[:, np.newaxis] < 0
+    return np.clip(past, 0.0, 1.0) - beyond
 
 
 def _expm(matrix: FloatArray, durations: FloatArray) -> FloatArray:

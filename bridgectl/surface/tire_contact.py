@@ -17,6 +17,8 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import count_pieces
 from bridgectl.linear.nodes import MAX_VEHICLE_PHASE
 from bridgectl.linear.runs import Run
+from bridgectl.model.traffic import Traffic
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.model.vehicle_effects import TireForce
 from bridgectl.surface.histories import factor_histories, superposed
 
@@ -29,6 +31,11 @@ static load falls by 0.4^2 / 8 = 0.02 of it.
 
 BLOCK = 64
 """Ramps of the approach treated at once."""
+
+
+def is_plain(vehicle: Vehicle) -> bool:
+    """Whether a vehicle has one tire alone, from the start of the bridge."""
+    return vehicle.n_tires == 1 and not isinstance(vehicle, Traffic)
 
 
 class TireContact:
