@@ -253,8 +253,9 @@ def bridgehook(
         without feedback         -0.014 -0.004   -0.048 -0.049   +0.005 +0.113
 
     So it does no harm at any speed; without feedback it does at five axles, up to 0.222 at 70 km/h.
-    Told of places a metre before the true ones bridgehook still gains 0.006 there. No other law of
-    the library is below it at any speed; at T2, with stiff springs, skyhook is close.
+    Told of places a metre before the true ones bridgehook still gains 0.006 there. No law of the
+    library that does not know the road is below it at any speed; at T2, with stiff springs, skyhook
+    and `preset` are close.
 
     Examples
     --------
