@@ -42,6 +42,7 @@ def test_dampers_without_a_range_leave_the_soft_maximum_of_the_smooth_road(smoot
     assert found == pytest.approx(np.array([expected] * 5), abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("leg", [0, 3])
 def test_the_moments_that_count_are_those_that_the_others_leave_at_their_best(smooth, leg):
     """Against a quasi-Newton method with bounds.

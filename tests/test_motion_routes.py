@@ -120,6 +120,7 @@ def compared(seed: int) -> None:
         np.testing.assert_allclose(alone, fast[0, :1], rtol=0, atol=2e-7)
 
 
+@pytest.mark.slow
 def test_both_routes_agree_on_a_random_truck():
     compared(7)
 

@@ -114,13 +114,13 @@ def compared(seed: int) -> None:
     np.testing.assert_allclose(alone, fast[0], rtol=0, atol=2e-7)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [0, 2, 3, 5])
 def test_both_routes_agree_within_1e_6_on_random_traffic(seed):
     compared(seed)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(6, 14))
+@pytest.mark.parametrize("seed", [1, 4, *range(6, 14)])
 def test_both_routes_agree_within_1e_6_on_more_random_traffic(seed):
     compared(seed)
 
@@ -163,7 +163,7 @@ def test_on_a_nearly_rigid_beam_traffic_does_what_its_vehicles_do_one_by_one():
 
 
 @pytest.mark.filterwarnings("ignore:start = -10 m is not forgotten")
-@pytest.mark.parametrize("method", ["propagator", "control"])
+@pytest.mark.parametrize("method", ["propagator", pytest.param("control", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("motions", [(), (24.0, 18.0), (BRAKING, QUICKER)])
 def test_a_mirror_image_does_the_same_from_the_other_end(motions, method):
     ends, speed = np.array([False, True]), motions[0] if motions else 20.0
@@ -274,6 +274,7 @@ def test_histories_of_ramps_superpose_to_those_of_traffic(approach, lanes):
         assert np.abs(surface.dae(ROAD) - simulated).max() < 0.02
 
 
+@pytest.mark.slow
 def test_ramps_by_the_control_library_do_the_same_to_traffic():
     pair = bc.convoy([CAR, CAR], [0, 3], opposite=[False, True], lane_factors=[1, 0.7])
     fast, slow = (

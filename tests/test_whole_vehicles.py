@@ -124,6 +124,12 @@ def test_a_law_at_every_axle_is_its_fine_integration(truck, seed, name):
 # Against quarter-cars
 
 
+def quick_and_slow(laws):
+    """One law after the other, those from the second on as slow tests."""
+    first, *others = laws
+    return [first, *(pytest.param(law, marks=pytest.mark.slow) for law in others)]
+
+
 @pytest.fixture(scope="module")
 def roads():
     """Stations and two roads of class A, from 20 m before the bridge on."""
@@ -131,7 +137,7 @@ def roads():
     return some[0].x, np.array([road.elevation for road in some])
 
 
-@pytest.mark.parametrize("name", [*LAWS, "bridgehook", "passive", "clipped LQR"])
+@pytest.mark.parametrize("name", [*quick_and_slow(LAWS), "bridgehook", "passive", "clipped LQR"])
 def test_a_half_car_without_coupling_inertia_is_two_quarter_cars(bridge, roads, name):
     """In open and closed loop, with a lag and a force limit, DAFs within 1e-9."""
     half = half_car(np.random.default_rng(3))
@@ -294,6 +300,7 @@ def test_a_law_made_for_quarter_cars_refuses_a_leg_that_is_none(bridge):
     assert bc.daf(bridge, cab, 25.0, damper=skyhook(SOFT, STIFF)).shape == (1,)
 
 
+@pytest.mark.slow
 def test_blocks_of_all_legs_in_the_control_library_are_the_loop(bridge):
     """A crossing and a block a leg, interconnected; sampled 20 times as often: within 2e-4."""
     vehicle = half_car(np.random.default_rng(10), 3e4)
