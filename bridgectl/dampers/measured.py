@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.sensors import Sensors, estimates, moved, states_of
-from bridgectl.dampers.strategy import SIGNALS, Strategy
+from bridgectl.dampers.signals import SIGNALS
+from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.crossing import Crossing
 
 ODOMETER = ("position", "speed")
@@ -35,7 +36,7 @@ class Measured(Strategy):
     ) -> None:
         self.strategy, self.sensors, self.delays = strategy, sensors, dict(delays)
         self.registers = {
-            key: [f"{key}_{i + 1}" for i in range(n)] for key, n in self.delays.items()
+            key: [f"{key}_late_{i + 1}" for i in range(n)] for key, n in self.delays.items()
         }
         own = {} if sensors is None else states_of(sensors)
         own |= {state: 0.0 for each in self.registers.values() for state in each}
@@ -120,7 +121,7 @@ class Measured(Strategy):
         return self._found[1]
 
     def _solve(self, s: Any, g: Any) -> SimpleNamespace:
-        known, after = {name: getattr(s, name) for name in SIGNALS}, dict[str, Any]()
+        known, after = {name: getattr(s, name) for name in self.strategy.signals}, dict[str, Any]()
         for key in self.registers.keys() & known.keys():
             known[key] = self._passed(s, key, known[key], after)
         x = ca.SX(0, 1)
@@ -130,7 +131,7 @@ class Measured(Strategy):
             heard |= estimates(self.sensors, x)
         inner = self.strategy
         columns = (
-            [heard[name] for name in SIGNALS],
+            [heard[name] for name in inner.signals],
             [getattr(g, name) for name in inner.gains],
             [getattr(s, name) for name in inner.states],
             [s.sample_time],
