@@ -71,10 +71,10 @@ def damping_function(
     c_min: float,
     c_max: float,
 ) -> tuple[ca.Function, tuple[str, ...]]:
-    """Return a law as the CasADi function "damping" of `INPUTS` (columns) to `OUTPUTS`, and signals.
+    """Return a law as the CasADi function "damping" of `INPUTS` (columns) to `OUTPUTS`.
 
-    Those are `SIGNALS`, and what it measures of other legs. Gains and states are given by name, with
-    the values at which slips are looked for.
+    And its signals: `SIGNALS`, and what it measures of other legs. Gains and states are given by
+    name, with the values at which slips are looked for.
     """
     if not callable(law):
         raise TypeError(f"law must be a function law(s, g), got {type(law).__name__}")
