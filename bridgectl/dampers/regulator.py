@@ -23,7 +23,7 @@ TOLD = 1e-9
 
 
 class Regulator(NamedTuple):
-    """A linear-quadratic problem x' = A x + B F, J = x' Q x + 2 x' N F + F' R F, R diagonal."""
+    """A linear-quadratic problem x' = A x + B F, J = x' Q x + 2 x' N F + F' R F."""
 
     state_matrix: FloatArray
     """A, shape (n, n)."""
@@ -39,12 +39,12 @@ class Regulator(NamedTuple):
     def feedbacks(self) -> FloatArray:
         """Return K of the forces F = -K x [N] with the least J, shape (m, n)."""
         # Forces in units of 1 / sqrt(R): numbers of the same size in the Riccati equation.
-        units = 1 / np.sqrt(np.diag(self.force_weight))
+        units = np.linalg.inv(np.linalg.cholesky(self.force_weight)).T
         gain, _, _ = control.lqr(
-            self.state_matrix, self.input_matrix * units, self.state_weight, np.eye(len(units)),
-            self.cross_weight * units,
+            self.state_matrix, self.input_matrix @ units, self.state_weight, np.eye(len(units)),
+            self.cross_weight @ units,
         )  # fmt: skip
-        return units[:, np.newaxis] * np.asarray(gain, dtype=np.float64)
+        return units @ np.asarray(gain, dtype=np.float64)
 
     def feedback(self) -> FloatArray:
         """Return K of the only force, shape (n,)."""
@@ -61,20 +61,26 @@ def whole_regulator(
 ) -> Regulator:
     """Return the problem of all dampers of a vehicle, its states (y_1, y_1', y_2, ...).
 
-    J is the sum over the legs. Their body acceleration is that which spring and damper give the
-    mass [kg] that the leg carries: of D legs on fewer bodies some forces move no body, and would be
-    free. Weights as of `clipped_lqr`, of travels and deflections one a leg.
+    J is the sum over the legs. Forces of several legs that move no body together would be free:
+    they count as the acceleration of the mass [kg] that each carries. Weights as of `clipped_lqr`,
+    of travels and deflections one a leg.
     """
     free = vehicle.undamped
-    legs, spring = Legs(free), springs_at_legs(free)
+    legs = Legs(free)
     stiffness = legs.tires * free.tire_stiffnesses
     deflection = stiffness / stiffness.sum(axis=1, keepdims=True) @ free.hubs
-    of_state, of_force = -(spring @ legs.travel) / masses[:, np.newaxis], -np.diag(1 / masses)
-    weights = (
-        (body_acceleration * np.ones_like(masses), of_state), (suspension_travel, legs.travel),
-        (tire_deflection, deflection),
-    )  # fmt: skip
-    cost = np.sum([rows.T @ (q[:, np.newaxis] * rows) for q, rows in weights], axis=0)
+    moving = legs.body @ free.damper_input
+    # Accelerations of the masses alone are -(X d + F) / m; of bodies they are this times those.
+    shared = -moving * masses
+    idle = np.eye(len(masses)) - np.linalg.pinv(shared, rcond=TOLD) @ shared
+    alone = -idle / masses
+    of_force = np.vstack([moving, alone])
+    of_state = np.vstack(
+        [legs.body @ free.state_matrix_on_tires(), alone @ springs_at_legs(free) @ legs.travel]
+    )
+    cost = body_acceleration * of_state.T @ of_state
+    for q, rows in ((suspension_travel, legs.travel), (tire_deflection, deflection)):
+        cost = cost + rows.T @ (q[:, np.newaxis] * rows)
     return Regulator(
         free.state_matrix_on_tires(), free.damper_input,
         (cost + cost.T) / 2,  # symmetric but for round-off, which the Riccati equation does not take
