@@ -83,7 +83,7 @@ def whole_regulator(
         cost = cost + rows.T @ (q[:, np.newaxis] * rows)
     return Regulator(
         free.state_matrix_on_tires(), free.damper_input,
-        (cost + cost.T) / 2,  # symmetric but for round-off, which the Riccati equation does not take
+        (cost + cost.T) / 2,  # else symmetric but for round-off, which is refused
         body_acceleration * of_force.T @ of_force + damper_force * np.eye(len(masses)),
         body_acceleration * of_state.T @ of_force,
     )  # fmt: skip

@@ -85,7 +85,7 @@ class Loop:
             gains = damper.strategy.gains_for(crossing, speeds, stations, elevations)
             law = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
             roads = stations, self.drops, crossing.beam.length
-            errors = Errors(damper, self.plan, speeds, *roads, leg)
+            errors = Errors(damper, self.plan, speeds, *roads, dampers.legs[leg])
             if not damper.position_deviation:  # else each road has places of its own
                 places = self.plan.edges[..., 0] - self.legs.offsets[leg] + errors.places
                 law.foresee(places, speeds)
