@@ -48,6 +48,7 @@ def test_a_law_of_other_legs_is_its_fine_integration(truck, seed):
 def test_a_legs_own_signal_by_its_name_or_number_is_its_own(bridge, vehicle, road, signal):
     """With noise of each sensor, which is the same whoever listens."""
     size = {"position": 5.0, "speed": 25.0, "tire_force": 1e5, "tire_force_rate": 1e6}
+    size |= {"body_acceleration": 1.0, "axle_acceleration": 30.0}
 
     def law(name):
         return Strategy(
