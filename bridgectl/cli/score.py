@@ -162,8 +162,8 @@ def _constants(c_min: float, c_max: float, own: set[float]) -> list[Strategy]:
     rounded = [float(f"{c:.2g}") for c in np.geomspace(c_min, c_max, N_CONSTANT)]
     between = [c for c in rounded if c_min < c < c_max]
     found = {each.name: each for each in map(passive, [c_min, *between, c_max])}
-    if len(own) == 1:
-        found.pop(passive(*own).name, None)
+    for damping in own if len(own) == 1 else ():
+        found.pop(passive(damping).name, None)
     return list(found.values())
 
 

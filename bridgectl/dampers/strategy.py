@@ -104,6 +104,14 @@ class Strategy:
     ...         "low": s.low + (1 - ca.exp(-20 * s.sample_time)) * (s.body_velocity - s.low)})
     >>> smooth.command(body_velocity=0.1, low=-0.05)
     array(30000.)
+
+    Against pitch, for any leg of a vehicle whose dampers are called front and rear:
+
+    >>> pitch = Strategy(
+    ...     "pitch", lambda s, g: 8e3 + 60e3 * (s.body_velocity_front - s.body_velocity_rear),
+    ...     1e3, 30e3)
+    >>> pitch.command(body_velocity_front=0.1, body_velocity_rear=[0.0, 0.2])
+    array([14000.,  2000.])
     """
 
     def __init__(

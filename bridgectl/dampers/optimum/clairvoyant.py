@@ -16,7 +16,7 @@ never the solver's number but that of `simulate_loop` with this damping.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -92,7 +92,7 @@ class Clairvoyant:
     c_min: float
     c_max: float
     status: str
-    offsets: FloatArray
+    offsets: FloatArray = field(default_factory=lambda: np.zeros(1))
 
     def __repr__(self) -> str:
         return (
