@@ -56,11 +56,13 @@ if TYPE_CHECKING:
         Shear,
         Stress,
     )
-    from bridgectl.model.crossing import Crossing, crossing_system
+    from bridgectl.model.crossing import Crossing
     from bridgectl.model.modal import ModalBridge
     from bridgectl.model.motion import Motion
-    from bridgectl.model.quarter_car import QuarterCar, convoy
+    from bridgectl.model.quarter_car import QuarterCar
     from bridgectl.model.spans import Bridge
+    from bridgectl.model.system import crossing_system
+    from bridgectl.model.traffic import convoy
     from bridgectl.model.vehicle import Vehicle
     from bridgectl.model.vehicle_effects import BodyAcceleration, TireForce
     from bridgectl.paper import li2006
@@ -145,14 +147,16 @@ _HOMES = {
     "linear.lift_off": ("LiftOffWarning",),
     "linear.prediction": ("prediction_matrices",),
     "model.beam": ("Beam",),
-    "model.crossing": ("Crossing", "crossing_system"),
+    "model.crossing": ("Crossing",),
     "model.bridge_effects": (
         "BridgeAcceleration", "Deflection", "Moment", "Reaction", "Shear", "Stress",
     ),
     "model.modal": ("ModalBridge",),
     "model.motion": ("Motion",),
-    "model.quarter_car": ("QuarterCar", "convoy"),
+    "model.quarter_car": ("QuarterCar",),
     "model.spans": ("Bridge",),
+    "model.system": ("crossing_system",),
+    "model.traffic": ("convoy",),
     "model.vehicle": ("Vehicle",),
     "model.vehicle_effects": ("BodyAcceleration", "TireForce"),
     "road": (

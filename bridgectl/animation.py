@@ -13,6 +13,7 @@ from bridgectl.model.bridge_effects import Moment
 from bridgectl.model.crossing import Crossing, require_factor
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.traffic import require_row
 from bridgectl.model.vehicle import Vehicle, signals
 from bridgectl.plots.animation import BETWEEN, DrawnCrossing, draw_crossing
 from bridgectl.road import RoadProfile
@@ -95,6 +96,7 @@ def crossing_animation(
     if not isinstance(effect, Moment | None):
         raise TypeError(f"effect must be a Moment, got {effect!r:.60}: type bridgectl.Moment(12.5)")
     crossing = Crossing(beam, vehicle, effect or Moment())
+    require_row(vehicle, "animations")
     require_factor(crossing)
     c = Motion(speed).speed
     count = check.integer("frames", frames, at_least=2)

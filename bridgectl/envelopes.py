@@ -15,8 +15,9 @@ from bridgectl.dampers.loop.damped import damped_response
 from bridgectl.linear.cells import bridge_entry, sample_positions
 from bridgectl.linear.envelope import QUANTITIES, Envelope, envelope_of, places_of
 from bridgectl.linear.estimates import require_crossing
-from bridgectl.linear.runs import Run, prepare
+from bridgectl.linear.runs import Run
 from bridgectl.linear.samples import Samples
+from bridgectl.linear.start import begin
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing
 from bridgectl.model.motion import Motion
@@ -85,7 +86,8 @@ def envelope(
     choice("quantity", quantity, tuple(QUANTITIES))
     crossing = make_crossing(beam, vehicle, recovery=recovery)
     places = places_of(beam, quantity, at)
-    run = prepare(crossing, profile, start)
+    crossing.paths.require_steady(np.array([c]))
+    run = begin(crossing, profile, start, c)
     judge_crossing(crossing, c, profile)
     require_crossing(run, np.array([c]))
     devices, simulate = fitted_to(damper, vehicle), None

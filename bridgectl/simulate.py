@@ -18,14 +18,15 @@ from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.estimates import require_surface
 from bridgectl.linear.response import METHODS, as_response, checked_times, linear_response
-from bridgectl.linear.runs import Run, prepare
-from bridgectl.linear.samples import crossings_of, dafs_of_effects
+from bridgectl.linear.runs import Run
+from bridgectl.linear.samples import crossings_of, dafs_of_effects, dafs_of_motions
+from bridgectl.linear.start import begin
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
 from bridgectl.model.effects import NamedEffects
-from bridgectl.model.motion import Motion, as_motion
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.motion import Motion, Speeds, as_motion
+from bridgectl.model.quarter_car import QuarterCar, require_springs
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
 from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, linear_surface, ramp_grid
@@ -55,15 +56,15 @@ def crossing_response(
 ) -> control.TimeResponseData:
     """Simulate one crossing.
 
-    Time is zero when the reference tire is at the start of the bridge. At `start` the
-    vehicle is in equilibrium on a level road that continues the profile backwards.
+    Time is zero when the reference tire is at the start of the bridge. At `start` the vehicle is
+    at rest on the road under each axle, level before the profile: crop that for a level start.
 
     Parameters
     ----------
     beam, vehicle
         See `Crossing`.
     speed : float or Motion
-        Speed c [m/s]; motions that are not uniform go with ``method="control"``.
+        Speed c [m/s], or a motion that is not uniform.
     section, recovery, effect
         Where 'moment' and 'deflection' are read, and how: see `daf`.
     effects, static
@@ -72,38 +73,37 @@ def crossing_response(
         The road, covering `start` to the end of the bridge; level beyond its end. Default:
         a smooth road.
     start : float, optional
-        Where the vehicle starts [m]: 0, or negative for a start on the approach.
+        Where the reference tire starts [m]: 0, or negative for a start on the approach.
     method : {'propagator', 'control'}, optional
         The fast path, or `control.input_output_response` with tight tolerances.
     damper : bridgectl.dampers.Damper or Strategy, or a list or dict of them, optional
         Semi-active dampers in place of the vehicle's own (`damper_dampings`): one for all, a list
-        of one for each (None for a passive one that stays), or some by `Vehicle.damper_names`.
+        of one for each (None for a passive one that stays), or some by `Vehicle.damper_names`. At
+        constant speed.
     tail : float, optional
         Time of free vibration after the last tire has left the bridge [s].
     timepts : array_like, optional
-        Times of the response [s], increasing, within the crossing. Default: the
-        samples of the propagator's cells, dense enough for every motion; a kink of the
-        moment is always a sample.
+        Times of the response [s], increasing, within the crossing. Default: those of the
+        propagator's cells, dense enough for every motion and with every kink of the moment.
 
     Returns
     -------
     control.TimeResponseData
-        Outputs as in `crossing_system`: 'moment' (over the peak static moment),
-        'deflection' [m], 'tire_force' [N], ... Inputs: the road r, positive downward, and
-        the force of each controlled damper, zero without one.
+        Outputs and inputs as in `crossing_system`: 'moment' over the static peak, ...
 
     Raises
     ------
     TypeError, ValueError
-        If a parameter has the wrong kind, shape or range, or the road does not cover the
-        approach and the bridge.
+        If a parameter has the wrong kind, shape or range, the road does not cover approach and
+        bridge, or the vehicle stands still on its way.
 
     Warns
     -----
     LiftOffWarning
         If a tire leaves the road; the response then has R = 0 in flight.
     PlausibilityWarning
-        If speed, vehicle, road or damper can hardly be meant.
+        If speed, vehicle, road or damper can hardly be meant, or the vehicle has several axles and
+        its start is still felt at the bridge.
     UserWarning
         If the road's `RoadProfile.measured_step` is above one foot, or the work takes minutes.
 
@@ -117,15 +117,14 @@ def crossing_response(
     """
     motion = as_motion(speed)
     crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
+    crossing.paths.require(motion)
     _checks.choice("method", method, METHODS)
-    if method == "propagator" and not motion.uniform:
-        raise ValueError(f'{motion!r} is not uniform: type method="control", without a damper')
-    run = prepare(crossing, profile, start)
-    after = _checks.not_negative("tail", tail, unit="s")
-    run = run._replace(end=motion.position(motion.time(run.end) + after) if after else run.end)
+    devices = fitted_to(damper, vehicle, method, [] if motion.uniform else [motion])
+    run = begin(crossing, profile, start, motion.speed, motion)
     judge_crossing(crossing, motion.speed, profile)
+    after = _checks.not_negative("tail", tail, unit="s")
+    run = run._replace(end=run.end_of_tail(motion, after))
     asked = None if timepts is None else motion.position(checked_times(timepts, run, motion))
-    devices = fitted_to(damper, vehicle, method)
     if devices is None:
         return as_response(run, motion, *linear_response(run, motion, asked, method))
     from bridgectl.dampers.loop.damped import damped_response
@@ -140,7 +139,7 @@ def crossing_response(
 def daf(
     beam: BridgeModel,
     vehicle: Vehicle | QuarterCar,
-    speeds: ArrayLike,
+    speeds: Speeds,
     profile: RoadProfile | None = None,
     *,
     start: float = 0.0,
@@ -161,11 +160,11 @@ def daf(
         See `Crossing`.
     section, recovery, effect : optional
         What the factor is of: `Moment`, `Deflection` or `TireForce`. 'moment' and 'deflection' are
-        short for those at a section, a fraction of the span, and with the recovery of `Moment`;
-        'tire_force' ('tire_force_1', ... of several tires) for that of a tire. A list of effects is
-        simulated once; with a damper that is not constant, once an effect.
-    speeds : float or array_like
-        Speeds c [m/s].
+        short for those at a section, a fraction of the span, with the recovery of `Moment`,
+        'tire_force' ('tire_force_1', ...) for that of a tire. A list of effects is simulated once;
+        with a damper that is not constant, once an effect.
+    speeds : float or array_like, or Motion or list of these
+        Speeds c [m/s], or motions that are not uniform.
     profile, start, method, damper
         See `crossing_response`.
     progress : bool, optional
@@ -194,13 +193,15 @@ def daf(
     >>> bc.daf(beam, car, [50 / 3.6, 110 / 3.6], recovery="li2006").round(4)
     array([1.0551, 1.1302])
     """
-    c, crossings = _checks.speeds(speeds), crossings_of(effect, beam, vehicle, section, recovery)
+    crossings = crossings_of(effect, beam, vehicle, section, recovery)
+    c, motions = crossings[0].paths.given(speeds)
     for crossing in crossings:
         require_factor(crossing)
-    run, devices = prepare(crossings[0], profile, start), fitted_to(damper, vehicle, method)
+    devices = fitted_to(damper, vehicle, method, motions)
+    run = begin(crossings[0], profile, start, c)
     judge_crossing(crossings[0], c, profile)
     judge_range(vehicle, devices)
-    found = _peaks(run, crossings, c, devices, method, progress)
+    found = _peaks(run, crossings, c, motions, devices, method, progress)
     return found if isinstance(effect, list | tuple) else found[0]
 
 
@@ -208,7 +209,7 @@ def daf(
 def peak_effect(
     beam: BridgeModel,
     vehicle: Vehicle | QuarterCar,
-    speeds: ArrayLike,
+    speeds: Speeds,
     profile: RoadProfile | None = None,
     *,
     start: float = 0.0,
@@ -226,7 +227,7 @@ def peak_effect(
     beam, vehicle, speeds, profile, start, section, recovery, method, damper, progress
         See `daf`.
     effect : Moment, Deflection, TireForce, BodyAcceleration or str, or a list, optional
-        What the peak is of; 'acceleration' is that of the first coordinate of the vehicle.
+        'acceleration' is that of the first coordinate of the vehicle.
 
     Returns
     -------
@@ -252,11 +253,13 @@ def peak_effect(
     >>> bc.peak_effect(beam, car, 30.0, effect=bc.Deflection(sense="smallest")).round(5)
     array([-5.e-05])
     """
-    c, crossings = _checks.speeds(speeds), crossings_of(effect, beam, vehicle, section, recovery)
-    run, devices = prepare(crossings[0], profile, start), fitted_to(damper, vehicle, method)
+    crossings = crossings_of(effect, beam, vehicle, section, recovery)
+    c, motions = crossings[0].paths.given(speeds)
+    devices = fitted_to(damper, vehicle, method, motions)
+    run = begin(crossings[0], profile, start, c)
     judge_crossing(crossings[0], c, profile)
     judge_range(vehicle, devices)
-    found = _peaks(run, crossings, c, devices, method, progress)
+    found = _peaks(run, crossings, c, motions, devices, method, progress)
     found *= np.array([[crossing.static_peak or 1.0] for crossing in crossings])
     return found if isinstance(effect, list | tuple) else found[0]
 
@@ -288,25 +291,21 @@ def ramp_surface(
     speeds : float or array_like
         Speeds c [m/s].
     approach : float, optional
-        Length of the approach [m]: the vehicle starts that far before the bridge, in
-        equilibrium, and ramps lie there too.
+        Length of the approach [m], where the vehicle starts in equilibrium, and ramps lie too.
     ramp_length, ramp_height : float, optional
         The unit ramp [m]: by default 1 mm over 100 mm, a *drop*, as in the paper. A road class,
         "A" to "H", stands for the height sigma sqrt(N) of one ramp with the variance of the drops
         over all N ramps of its roads: 13.4 mm for class A and 850 ramps.
     both_ways : bool, optional
-        Whether there are rises of that height beside the drops: what they do together is the
-        even part of a ramp's effect, which `RampSurface.dae` of order 2 and
-        `RampSurface.class_dae` need to tell dampers apart.
+        Whether there are rises of that height beside the drops: `RampSurface.dae` of order 2 and
+        `RampSurface.class_dae` need what both do together to tell dampers apart.
     every : int, optional
-        Take a ramp at every so many-th place alone, and straight lines between: a tenth of the
-        ramps cost a tenth of the time.
+        Take a ramp at every so many-th place alone, and straight lines between.
     method : {'propagator', 'control'}, optional
-        'propagator': all ramps from one propagation, factored. 'control': one
-        `control.input_output_response` for each ramp and speed, slow, for comparison.
+        All ramps from one propagation, or one `control.input_output_response` for each.
     damper : bridgectl.dampers.Damper or Strategy, or a list or dict of them, optional
-        See `crossing_response`. If it is semi-active, its responses do not superpose: the surface
-        has a DAE, which then is an estimate twice over, and no superposed DAF.
+        See `crossing_response`. Responses of a semi-active one do not superpose: the surface has a
+        DAE, an estimate twice over, and no superposed DAF.
     progress : bool, optional
         Whether 'control' shows a progress bar on a terminal.
 
@@ -347,10 +346,14 @@ def ramp_surface(
     _checks.choice("method", method, METHODS)
     _checks.flag("progress", progress)
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
+    crossing.paths.require_alike()
     require_factor(crossing, unless_none=True)
-    grid = ramp_grid(beam.length, approach, ramp_length, ramp_height, both_ways, every)
+    given = approach, ramp_length, ramp_height, both_ways, every
+    grid = ramp_grid(beam.length, *given, crossing.paths.beyond())
     judge_crossing(crossing, c)
     require_surface(crossing, c, grid.approach, grid.length, method)
+    if method == "control":
+        require_springs(vehicle, 'ramp surfaces by method="control"')
     devices = fitted_to(damper, vehicle, method)
     judge_range(vehicle, devices)
     if devices is not None:
@@ -363,29 +366,31 @@ def ramp_surface(
 
 
 def fitted_to(
-    damper: Dampers | None, vehicle: Vehicle | QuarterCar, method: str = "propagator"
-) -> Fitted | None:
+    damper: Dampers | None, vehicle: Vehicle | QuarterCar, method: str = "propagator",
+    motions: Sequence[Motion] = (),
+) -> Fitted | None:  # fmt: skip
     """The dampers, if there are any, checked to go with the route and the vehicle."""
     if damper is None:
         return None
     from bridgectl.dampers.fitted import fitted
 
+    require_springs(vehicle, "crossings with a damper")
+    if motions:
+        raise ValueError(f"damper goes with a constant speed: got {motions[0]!r}, leave it out")
     if method != "propagator":
         raise ValueError(f"method must be 'propagator' with a damper, got {method!r}: leave it out")
     return fitted(damper, vehicle)
 
 
 def _peaks(
-    run: Run,
-    crossings: list[Crossing],
-    speeds: FloatArray,
-    devices: Fitted | None,
-    method: str,
-    progress: bool,
-) -> FloatArray:
+    run: Run, crossings: list[Crossing], speeds: FloatArray, motions: list[Motion],
+    devices: Fitted | None, method: str, progress: bool,
+) -> FloatArray:  # fmt: skip
     """Peaks over their static ones, if they have any, by the engine that they need."""
     _checks.flag("progress", progress)
     _checks.choice("method", method, METHODS)
+    if motions:
+        return dafs_of_motions(run, crossings, motions, method, progress)
     if devices is not None:
         resolved = [devices.resolved(crossing) for crossing in crossings]
         crossings, left = [crossing for crossing, _ in resolved], resolved[0][1]

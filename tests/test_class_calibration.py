@@ -117,6 +117,7 @@ def test_roads_have_the_spectrum_that_was_asked_for(surface):
         assert np.abs(found - of_class).max() > 1e-4
 
 
+@pytest.mark.filterwarnings("ignore:start = -5 m is not forgotten")
 def test_surfaces_of_one_way_of_several_tires_and_of_a_preset_damper_have_it_too(bridge, truck):
     one = bc.ramp_surface(bridge, truck, SPEEDS, approach=20)
     calibrated = calibrated_class_dae(one, "A", mirror_pairs=3, seed=4)

@@ -126,6 +126,7 @@ def test_superposition_is_exact_for_extreme_vehicles_too(bridge, truck, vehicle)
 
 
 @pytest.mark.parametrize("approach", [0.03, 7.77, 100.0, 400.0])
+@pytest.mark.filterwarnings("ignore:start = -0.03 m is not forgotten")
 def test_ramps_before_a_bridge_superpose_for_several_tires(bridge, truck, approach):
     """Tires 3.33 m apart stand within ramps as the first one reaches the bridge."""
     convoy = bc.convoy([truck, truck, truck], [0, 3.33, 4.7])

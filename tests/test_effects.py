@@ -8,7 +8,8 @@ from helpers import random_case, rough_road
 
 import bridgectl as bc
 from bridgectl.linear.cells import sample_positions
-from bridgectl.linear.runs import prepare, reference_effect
+from bridgectl.linear.reference import reference_effect
+from bridgectl.linear.runs import prepare
 from bridgectl.model.crossing import make_crossing
 
 EFFECTS = ["deflection", "tire_force", "acceleration", "moment"]

@@ -149,9 +149,9 @@ ENTRIES = {
         b, c, 80, damper=groundhook(1e3, 30e3)
     ),
     "crossing_system": lambda b, c: bc.crossing_system(b, c, 80),
-    "Crossing": lambda b, c: bc.Crossing(b, bc.convoy([c] * 50, [0] * 50)),
+    "Crossing": lambda b, c: bc.Crossing(b, bc.convoy([c] * 50, range(50))),
     "replaced Crossing": lambda b, c: dataclasses.replace(
-        bc.Crossing(b, c), vehicle=bc.convoy([c] * 50, [0] * 50)
+        bc.Crossing(b, c), vehicle=bc.convoy([c] * 50, range(50))
     ),
     "ramp_surface": lambda b, c: bc.ramp_surface(b, c, 80, ramp_length=5.0),
     "ramp_surface, constant damper": lambda b, c: bc.ramp_surface(

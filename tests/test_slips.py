@@ -196,7 +196,7 @@ SLIPS = {
             (0.13, r"damping = 0.13 N s/m.*for a ratio of 0.13 type damping=6.98e\+03"),
             (7e6, "damping = .*check that suspension_stiffness"), least="0 or more",
         ),
-        "tire_damping": [(7e3, "tire_damping must be 0"), ("0", "tire_damping must be one number")],
+        "tire_damping": slips_of_numbers("tire_damping", least="0 or more"),
     },
     "daf": MODEL | {
         "speeds": SPEEDS, "profile": PROFILE, "start": START, "effect": EFFECT, "method": METHOD,

@@ -30,7 +30,7 @@ def built(told):
     numbers = zip(
         told["axle_coordinate_behind_own_body_cg_m"], told["axle_mass_kg"],
         told["suspension_stiffness_N_m"], told["tyre_stiffness_N_m"],
-        told["suspension_damping_Ns_m"], strict=True,
+        told["suspension_damping_Ns_m"], told["tyre_damping_Ns_m"], strict=True,
     )  # fmt: skip
     axles = [Axle(*each) for each in numbers]
     bodies = zip(told["body_mass_kg"], told["body_inertia_kg_m2"], strict=True)
@@ -71,10 +71,11 @@ def test_matrices_offsets_and_loads_are_those_of_an_independent_solution(referen
 @pytest.mark.parametrize(
     "name",
     [
-        "a_T2_SS25_smooth_20", "a_T2_SS25_ramp_25", "b_T5_SS25_smooth_20", "b_T5_SS25_isoL_25",
-        "b_T5_SS25_ramp_25", "c_T5_TS50_smooth_30",
+        "a_T2_SS25_smooth_20", "a_T2_SS25_ramp_25", "a_T2_SS25_iso_20", "b_T5_SS25_smooth_20",
+        "b_T5_SS25_isoL_25", "b_T5_SS25_ramp_25", "c_T5_TS50_smooth_30", "g_T5airct_SS25_smooth_25",
     ],
 )  # fmt: skip
+@pytest.mark.filterwarnings("ignore:start = -100 m is not forgotten:UserWarning")
 def test_amplifications_are_those_of_an_independent_solution(reference, name):
     case = reference["cases"][name]
     (told,) = case["vehicles"]
@@ -88,7 +89,7 @@ def test_amplifications_are_those_of_an_independent_solution(reference, name):
     for place, result in case["sections"].items():
         sense = "largest" if result["peak_moment_static_Nm"] > 0 else "smallest"
         daf = bc.daf(
-            deck, bc.trucks.load(told["vehicle"]), told["speed_m_s"], profile,
+            deck, built(reference["vehicles"][told["vehicle"]]), told["speed_m_s"], profile,
             start=told["front_axle_start_m"], effect=bc.Moment(float(place), sense=sense),
         )  # fmt: skip
         assert daf == pytest.approx(result["daf_moment"], abs=2e-4)
@@ -231,6 +232,32 @@ def test_a_tridem_of_one_suspension_is_vbi_2ds():
     assert (stiffness + tires)[6, 6] == pytest.approx(2 * 1.1**2 * kt)
     expected = [0, 3, a2 + b1 + 0.5 + d3 - 1.1, a2 + b1 + 0.5 + d3, a2 + b1 + 0.5 + d3 + 1.1]
     assert truck.tire_offsets == pytest.approx(expected)
+
+
+def test_tires_have_their_damping():
+    group = Axle(4.0, 2e3, 2e6, 3e6, 3e3, (5e3, 8e3), spread=(-0.6, 0.6), inertia=200.0)
+    truck = rigid(Body(18e3, 6e4, [Axle(-2.0, 700, 4e5, 1.75e6, tire_damping=1e4), group]))
+    assert truck.tire_damping.tolist() == [1e4, 5e3, 8e3]
+    assert bc.trucks.load("T5tridem").tire_damping.tolist() == [1e4] * 5
+
+
+def test_braking_moves_load_forward_by_height_over_wheelbase():
+    body = Body(10500, 5e4, [Axle(-2.5, 900, 6e6, 1.75e6), Axle(2.5, 900, 6e6, 1.75e6)], height=1.4)
+    truck = rigid(body)
+    moved = -3.0 * truck.tire_stiffnesses * (truck.hubs @ truck.pitched)  # at -3 m/s^2
+    assert moved == pytest.approx(10500 * 3.0 * 1.4 / 5.0 * np.array([1, -1]), rel=1e-9)
+
+
+def test_of_a_semitrailer_each_body_brakes_itself():
+    """Moments about the hinge of what the trailer's axles gain, and about the road of all."""
+    tractor, trailer = (
+        dataclasses.replace(body, height=h) for body, h in ((TRACTOR, 1.0), (TRAILER, 2.0))
+    )
+    truck = articulated(tractor, trailer, (2, -5))
+    moved = truck.tire_stiffnesses * (truck.hubs @ truck.pitched)  # at 1 m/s^2
+    assert moved[2:] @ [8.0, 9.2] == pytest.approx(2e4 * 2.0, rel=1e-9)
+    assert moved.sum() == pytest.approx(0, abs=1e-6)
+    assert moved @ truck.tire_offsets == pytest.approx(4000 * 1.0 + 2e4 * 2.0, rel=1e-9)
 
 
 def test_the_dampers_stand_between_body_and_axle_and_are_part_of_the_damping():

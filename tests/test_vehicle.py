@@ -111,7 +111,7 @@ def test_vehicles_are_values():
         ({"damping": -1}, ValueError, "damping must be 0 or more [N s/m], got -1"),
         ({"damping": np.nan}, ValueError, "damping must be finite"),
         ({"damping": True}, TypeError, "damping must be one number"),
-        ({"tire_damping": 100.0}, NotImplementedError, "convective term c v'(x)"),
+        ({"tire_damping": -1}, ValueError, "tire_damping must be 0 or more [N s/m], got -1"),
     ],
 )
 def test_a_bad_quarter_car_parameter_is_named(change, error, says):
@@ -142,7 +142,10 @@ def test_a_truck_in_tonnes_draws_a_warning():
         ({"tire_map": [[0.0]]}, ValueError, "leave a coordinate without support"),
         ({"heave": [-1.0], "tire_map": [[1.0]]}, ValueError, "must carry a static load above 0"),
         ({"coordinates": ["y", "z"]}, ValueError, "coordinates must be 1 different names"),
-        ({"tire_damping": 1.0}, NotImplementedError, "tire_damping must be 0"),
+        ({"tire_damping": -1.0}, ValueError, "tire_damping must be 0 or more"),
+        ({"tire_damping": [1.0, 2.0]}, ValueError, "tire_damping must have shape (1,)"),
+        ({"tire_damping": [-1.0]}, ValueError, "tire_damping must be 0 N s/m or more"),
+        ({"pitch_input": [1.0, 2.0]}, ValueError, "pitch_input must have shape (1,)"),
     ],
 )
 def test_a_bad_vehicle_parameter_is_named(change, error, says):

@@ -178,6 +178,7 @@ def test_on_rock_the_tires_of_a_half_car_have_the_forces_of_quarter_cars_on_thei
 # Against the linear crossing
 
 
+@pytest.mark.filterwarnings("ignore:start = :bridgectl.PlausibilityWarning")
 @pytest.mark.parametrize("effect", ["moment", "tire_force_2", bc.Moment(8.0), bc.Deflection()])
 @pytest.mark.parametrize("truck", [half_car, five_axles])
 def test_constant_dampers_in_the_loop_are_the_linear_crossing(bridge, roads, truck, effect):
@@ -188,6 +189,28 @@ def test_constant_dampers_in_the_loop_are_the_linear_crossing(bridge, roads, tru
     each = [Damper(passive(c), max_force=1e9) for c in vehicle.damper_dampings]
     looped = bc.daf(bridge, vehicle, [20.0, 30.0], road, damper=each, **case)
     assert looped == pytest.approx(bc.daf(bridge, vehicle, [20.0, 30.0], road, **case), abs=1e-5)
+
+
+@pytest.mark.filterwarnings("ignore:start = :bridgectl.PlausibilityWarning")
+def test_with_dampers_too_a_vehicle_starts_at_rest_on_the_road_under_each_axle(bridge):
+    """DAFs within 1e-5 of the linear crossing's, the tires' forces within 1 N at the start."""
+    vehicle = five_axles(np.random.default_rng(8))
+    road = bc.iso8608_profile("A", 120, seed=3, start=-80)
+    case = bridge, vehicle, 25.0, road
+    held = [Damper(passive(c), max_force=1e9) for c in vehicle.damper_dampings]
+    for effect in ("moment", "tire_force_5"):
+        looped, linear = (
+            bc.daf(*case, start=-20, effect=effect, damper=damper) for damper in (held, None)
+        )
+        assert looped == pytest.approx(linear, abs=1e-5)
+        level = bc.daf(*case[:3], road.crop(-20, 40), start=-20, effect=effect, damper=held)
+        assert abs(level - linear) > 1e-4
+    first, other = (
+        bc.crossing_response(*case, start=-20, damper=damper).outputs for damper in (held, None)
+    )
+    for k in range(1, 6):
+        name = f"tire_force_{k}"
+        assert first[name][0] == pytest.approx(other[name][0], abs=1.0)  # newtons
 
 
 def test_constant_dampers_become_part_of_the_vehicle(bridge):

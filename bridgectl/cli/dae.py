@@ -54,6 +54,7 @@ examples:
   bridgectl dae --spans 25,25 --mass-per-length 18e3 --frequency 4.1 --effect sagging@10,hogging@25
   bridgectl dae --bridge example --effect reaction@50,deflection@12.5,tire_force
   bridgectl dae survey.erd --track RElev.
+  bridgectl dae --speeds 60,80,100 --acceleration -3
   bridgectl dae road.txt --units m,m --speeds 60:120:2 --damping 12e3 --json > dae.json"""
 
 
@@ -63,6 +64,11 @@ def add_dae_options(parser: argparse.ArgumentParser) -> None:
     options.add_place_options(parser)
     bridges.add_bridge_options(parser, effects=True)
     options.add_vehicle_options(parser)
+    options.add_option(
+        parser, "--acceleration", "A",
+        "simulate what brakes (negative) or speeds up so from the start of the bridge on [m/s^2]; "
+        "speeds are those there (default 0)", options.as_number, 0.0,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -76,6 +82,7 @@ class DaeStudy:
     dae: FloatArray
     superposed: FloatArray
     simulated: FloatArray
+    acceleration: float = 0.0
 
     @property
     def critical(self) -> int:
@@ -154,11 +161,14 @@ def _study(
     with options.working("computing the ramp surface"):
         surface = bc.ramp_surface(bridge, vehicle, speeds, approach=args.approach, effect=effect)
     simulate = bc.daf if asked.is_factor else bc.peak_effect
-    simulated = simulate(bridge, vehicle, speeds, road, start=-args.approach, effect=effect)
+    passing = [bc.Motion(c, [0.0, args.acceleration], [0.0]) for c in speeds]
+    simulated = simulate(bridge, vehicle, passing, road, start=-args.approach, effect=effect)
     # The simulation has told of tires that leave the road.
     with warnings.catch_warnings(action="ignore", category=bc.LiftOffWarning):
         superposed = surface.superposed_daf(road)
-    return DaeStudy(asked, surface, road, station, surface.dae(road), superposed, simulated)
+    return DaeStudy(
+        asked, surface, road, station, surface.dae(road), superposed, simulated, args.acceleration
+    )  # fmt: skip
 
 
 def print_dae(studies: Sequence[DaeStudy]) -> None:
@@ -170,6 +180,11 @@ def print_dae(studies: Sequence[DaeStudy]) -> None:
         f"{surface.approach:g} m of approach, in ramps of {surface.ramp_length * 1e3:g} mm\n"
         f"Bridge: {surface.beam!r}\nVehicle: {surface.vehicle!r}\n"
     )
+    if first.acceleration:
+        console.print(
+            f"Simulated with {first.acceleration:g} m/s^2 from the start of the bridge on, the "
+            "speeds those there; all else at constant speed\n", soft_wrap=True,
+        )  # fmt: skip
     for study in studies:
         _print_speeds(console, study)
         _print_sentences(console, study)
@@ -239,6 +254,7 @@ def dae_json(studies: Sequence[DaeStudy]) -> dict[str, Any]:
         "bridge": bridges.bridge_json(surface.beam),
         "vehicle": vehicle_json(surface.vehicle),
         "speed_km_per_h": to_kmh(surface.speeds).tolist(),
+        "simulated_acceleration_m_per_s2": first.acceleration,
     }  # fmt: skip
     if len(studies) > 1:
         return shared | {"effects": [_effect_json(study) for study in studies]}

@@ -14,7 +14,8 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_damper
 from bridgectl.dampers.legs import require_dampers
 from bridgectl.dampers.strategy import Strategy
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.quarter_car import QuarterCar, require_springs
+from bridgectl.model.traffic import require_row
 from bridgectl.model.vehicle import Vehicle, with_dampings
 
 
@@ -154,6 +155,8 @@ def bare_vehicle(
 ) -> Vehicle | QuarterCar:
     """Return a vehicle with some controlled dampers, by default all, in place of passive ones."""
     require_dampers(vehicle)
+    require_row(vehicle, "closed loops and scores")
+    require_springs(vehicle, "closed loops and scores")
     if isinstance(vehicle, QuarterCar):
         return replace(vehicle, damping=0.0)
     some = list(range(len(vehicle.damper_map)) if legs is None else legs)

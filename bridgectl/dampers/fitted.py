@@ -21,6 +21,7 @@ from bridgectl.dampers.signals import SIGNALS, others_of
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.traffic import require_row
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.model.vehicle_effects import BodyAcceleration
 
@@ -128,6 +129,7 @@ def fitted(dampers: Any, vehicle: Vehicle | QuarterCar) -> Fitted:
     """Check dampers, given as `Dampers`, and fit them to a vehicle."""
     if isinstance(dampers, Fitted):
         return dampers
+    require_row(vehicle, "crossings with a damper")
     require_dampers(vehicle)
     names = vehicle.linear.damper_names
     if isinstance(dampers, Mapping):

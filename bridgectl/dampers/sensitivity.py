@@ -155,7 +155,8 @@ def _steps(
     """The closed loop's steps of one speed, and where each damper was sampled [m], (K, D)."""
     dt = dampers.sample_time
     longest = min(longest_step(crossing, dampers.dampings, crossing.beam.n_modes), dt)
-    edges = make_plan(crossing, speeds, stations, dt, times_within(dt, longest, 0.0)).edges
+    within = times_within(dt, longest, 0.0)
+    edges = make_plan(crossing, speeds, stations, dt, within, stations[0]).edges
     some = np.diff(edges).ravel() > 0  # the others fill up rounds
     each = np.stack([edges[..., :-1].ravel(), edges[..., 1:].ravel()], axis=1)[some]
     responses = Responses(crossing, longest)

@@ -6,7 +6,8 @@ tire forces R and the surface under each tire, u = v + r, are parabolas through 
 (the stages), and the modal forces R phi_j polynomials through five. Beam and vehicle respond to
 those exactly: stiff modes and heavily damped vehicles cost neither accuracy nor stability, and
 a cell may be many periods of a high mode long. What such a mode does to the tires within it is
-seen at the stages only, which is little: the mode is stiff beside the tires.
+seen at the stages only, which is little: the mode is stiff beside the tires. Of a tire with damping
+u stands for u + lag u', and T y for T (y + lag y').
 
 Two relations tie the stages together, u = r + v and Eq. (2), R = W + K_t (T y - u). With
 v = F b + P R from the beam and K_t (T y - u) = G a + H u from the vehicle (a, b: vehicle and
@@ -29,9 +30,11 @@ from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
-from bridgectl.linear.modes import hold_responses, mode_responses
+from bridgectl.linear.modes import mode_responses
+from bridgectl.linear.pace import Pace, climbed_each, responses
+from bridgectl.linear.stages import solve_stages, vehicle_matrices, vehicle_stages
 from bridgectl.model.crossing import Crossing
-from bridgectl.model.vehicle import Vehicle
+from bridgectl.model.motion import Motion
 
 N_STAGES = 3
 GAUSS = (np.polynomial.legendre.leggauss(N_STAGES)[0] + 1) / 2
@@ -94,6 +97,9 @@ class Cells:
     """Effect at the samples after the start from the states at it, (S, U, N_INNER, n)."""
     effect_constant: float
     """What is always added to it."""
+    pitched: FloatArray | None = None
+    """States at rest under an acceleration along the road of 1 m/s^2, (n,), if that counts: its
+    value is then the last of the road rows."""
 
     @property
     def n_states(self) -> int:
@@ -130,7 +136,7 @@ class Cells:
 
         From road rows of the cells, (C, 2 n_tires + 1, R), and states at the first, (S, n, R).
         """
-        drive = self.from_road[:, self.map_of] @ road
+        drive, pitch = self.from_road[:, self.map_of] @ road, self._pitch(road)
         states = np.empty((len(initial), len(self.kind) + 1, *initial.shape[1:]))
         states[:, 0] = initial
         if self.n_states > 2 * drive.shape[2]:  # a step is more than the two it is made of
@@ -138,13 +144,20 @@ class Cells:
             for c, (kind, cell) in enumerate(zip(self.kind, self.map_of, strict=True)):
                 stages[:, c] += self.from_states[:, cell] @ states[:, c]
                 states[:, c + 1] = self.free[:, kind] @ states[:, c]
-                states[:, c + 1] += self.inputs[:, cell] @ stages[:, c]
+                states[:, c + 1] += self.inputs[:, cell] @ stages[:, c] + pitch[:, c]
             return states, stages
-        push, steps = self.inputs[:, self.map_of] @ drive, self.steps
+        push, steps = self.inputs[:, self.map_of] @ drive + pitch, self.steps
         for c, cell in enumerate(self.map_of):
             np.matmul(steps[:, cell], states[:, c], out=states[:, c + 1])
             states[:, c + 1] += push[:, c]
         return states, drive + self.from_states[:, self.map_of] @ states[:, :-1]
+
+    def _pitch(self, road: FloatArray) -> FloatArray:
+        """What accelerations add to the states at the end of each cell, (S, C, n, R), or 0."""
+        if self.pitched is None:
+            return np.zeros((1, len(self.kind), 1, 1))
+        moved = (self.pitched - self.free @ self.pitched)[:, self.kind]
+        return np.asarray(moved[..., np.newaxis] * road[:, -1:])
 
     @property
     def kind_of_map(self) -> NDArray[np.intp]:
@@ -185,19 +198,22 @@ def bridge_entry(nodes: FloatArray) -> int:
     return int(np.searchsorted(nodes, -SAME_PLACE))
 
 
-def sample_positions(nodes: FloatArray) -> FloatArray:
+def sample_positions(nodes: FloatArray, motion: Motion | None = None) -> FloatArray:
     """Positions of the samples: each cell's start and stages, and the last node [m]."""
-    inner = nodes[:-1, np.newaxis] + np.diff(nodes)[:, np.newaxis] * SAMPLES
+    shares = SAMPLES if motion is None else Pace(nodes, np.zeros(1), motion).shares(SAMPLES)
+    inner = nodes[:-1, np.newaxis] + np.diff(nodes)[:, np.newaxis] * shares
     return np.append(inner.ravel(), nodes[-1])
 
 
-def road_rows(road: FloatArray) -> FloatArray:
+def road_rows(road: FloatArray, accelerations: FloatArray | None = None) -> FloatArray:
     """Road rows of the cells from the road under each tire at the nodes.
 
-    From shape (C + 1, n_tires) to (C, 2 n_tires + 1): see `Cells`.
+    From shape (C + 1, n_tires) to (C, 2 n_tires + 1): see `Cells`. Accelerations (C,), if they
+    count, come after them.
     """
     load = np.ones((len(road) - 1, 1))
-    return np.hstack([road[:-1], load, np.diff(road, axis=0)])
+    last = [] if accelerations is None else [accelerations[:, np.newaxis]]
+    return np.hstack([road[:-1], load, np.diff(road, axis=0), *last])
 
 
 def build_cells(
@@ -207,8 +223,9 @@ def build_cells(
     *,
     on_bridge: bool,
     contact: NDArray[np.bool_] | None = None,
+    motion: Motion | None = None,
 ) -> Cells:
-    """Compute the maps of the cells between nodes.
+    """Compute the maps of the cells between nodes, for speeds [m/s] or for one motion.
 
     With ``on_bridge=False`` all tires run on a rigid road: vehicle states alone, and cells
     of one width share their maps. `contact` tells which tires touch the road, by default all;
@@ -216,27 +233,34 @@ def build_cells(
     """
     vehicle, n = crossing.linear, crossing.n_vehicle
     contact = np.ones(vehicle.n_tires, dtype=bool) if contact is None else contact
-    # Widths that differ by round-off only share their matrix exponentials.
-    widths, kind = np.unique(np.round(np.diff(nodes), 10), return_inverse=True)
+    pace = Pace(nodes, speeds, motion)
+    durations, kind = pace.durations, pace.kind
+    pitches = motion is not None and bool(vehicle.pitch_input.any())
     if on_bridge:
         n_modes, map_of, kind_of_map = crossing.beam.n_modes, np.arange(len(kind)), kind
         starts, steps = nodes[:-1, np.newaxis], np.diff(nodes)[:, np.newaxis]
     else:
-        n_modes, map_of, kind_of_map = 0, kind, np.arange(len(widths))
-        starts, steps = np.zeros((2, len(widths), 1))
-    durations = widths / speeds[:, np.newaxis]
-    free_vehicle, held_vehicle = hold_responses(
+        n_modes, map_of, kind_of_map = 0, kind, np.arange(len(pace.widths))
+        starts, steps = np.zeros((2, len(pace.widths), 1))
+    free_vehicle, held_vehicle = responses(
         *vehicle_matrices(vehicle, contact), durations, GAUSS, _POINTS
     )
     held_vehicle = held_vehicle.reshape(*free_vehicle.shape[:-1], -1)
-    rows = crossing.rows(starts + steps * SAMPLES[1:])
+    rows = crossing.rows(starts + steps * pace.shares(SAMPLES[1:]))
     of_vehicle = rows.per_state[:n]
     of_beam = rows.per_state[n : n + 2 * n_modes].reshape(n_modes, 2)
-    beam = _beam_maps(crossing, starts, steps, kind_of_map, durations, of_beam)
-    from_vehicle, spring = _vehicle_stages(crossing, free_vehicle, held_vehicle, contact)
-    to_stages = _solve_stages(
+    places = starts + steps * pace.shares(FORCE_POINTS)
+    rates = crossing.shape_rates(places[:, :N_STAGES], pace.speeds(GAUSS))
+    beam = _beam_maps(crossing, places, rates, kind_of_map, durations, of_beam)
+    from_vehicle, spring = vehicle_stages(crossing, free_vehicle, held_vehicle, contact)
+    if crossing.paths.steady:
+        climbed = pace.climbed(GAUSS, vehicle.tire_lags, pace.widths[kind_of_map])
+    else:
+        climbed = climbed_each(pace, GAUSS, vehicle.tire_lags, crossing.paths, nodes)
+    to_stages = solve_stages(
         crossing, contact, from_vehicle[:, kind_of_map], spring[:, kind_of_map],
         beam.deflections, beam.compliance,
+        climbed, pitches,
     )  # fmt: skip
 
     q, n_states = beam.compliance.shape[-1], n + 2 * n_modes
@@ -258,21 +282,15 @@ def build_cells(
     ]
     return Cells(
         nodes, kind, map_of, free, gains, to_stages, np.concatenate(per_state, axis=-1),
-        rows.constant,
+        rows.constant, np.append(vehicle.pitched, np.zeros(2 * n_modes)) if pitches else None,
     )  # fmt: skip
 
 
-def vehicle_matrices(vehicle: Vehicle, contact: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
-    """State and input matrices on the tires in contact; the others' input is a force, R - W."""
-    inputs = np.where(contact, vehicle.road_input, vehicle.tire_input)
-    return vehicle.state_matrix_on_tires(contact), inputs
+def modal_forces(crossing: Crossing, places: FloatArray, forces: FloatArray) -> FloatArray:
+    """Modal forces (S, C, modes, N_FORCES) from tire forces at stages (S, C, N_STAGES, n_tires).
 
-
-def modal_forces(
-    crossing: Crossing, starts: FloatArray, widths: FloatArray, forces: FloatArray
-) -> FloatArray:
-    """Modal forces (S, C, modes, N_FORCES) from tire forces at stages (S, C, N_STAGES, n_tires)."""
-    places = starts[:, np.newaxis] + widths[:, np.newaxis] * FORCE_POINTS
+    `places` (C, N_FORCES) are those of the cells' `FORCE_POINTS`.
+    """
     shapes = np.moveaxis(crossing.tire_shapes(places), -1, 1)  # cells, modes, force points, tires
     at_points = (TO_FORCES @ forces)[:, :, np.newaxis]
     return np.asarray((shapes * at_points).sum(axis=-1))
@@ -295,24 +313,32 @@ class _BeamMaps(NamedTuple):
 
 def _beam_maps(
     crossing: Crossing,
-    starts: FloatArray,
-    steps: FloatArray,
+    places: FloatArray,
+    rates: FloatArray | None,
     kind: NDArray[np.intp],
     durations: FloatArray,
     of_beam: FloatArray,
 ) -> _BeamMaps:
-    """Maps of cells (M, 1) and their kinds (M,); `of_beam` is the effect's row (modes, 2)."""
-    n_speeds, n_maps, n_modes = len(durations), len(starts), len(of_beam)
+    """Maps of cells by their `FORCE_POINTS` (M, N_FORCES) and kinds (M,).
+
+    `rates` are those of the shapes at the stages, `of_beam` is the effect's row (modes, 2).
+    """
+    n_speeds, n_maps, n_modes = len(durations), len(places), len(of_beam)
+    lags = crossing.linear.tire_lags[:, np.newaxis]
     free, held = (
         of[:, :, :n_modes] for of in mode_responses(crossing.beam, durations, FORCE_POINTS, _POINTS)
     )
-    forces = crossing.tire_shapes(starts + steps * FORCE_POINTS)[..., :n_modes]
+    forces = crossing.tire_shapes(places)[..., :n_modes]
     shapes = forces[:, :N_STAGES]
+    leading = shapes[np.newaxis] if rates is None else shapes + lags * rates[..., :n_modes]
     q = N_STAGES * shapes.shape[2]  # tires innermost
     by_mode = np.ascontiguousarray(forces.transpose(3, 1, 0, 2))[:, :, :, np.newaxis]
     loads = by_mode * TO_FORCES[:, np.newaxis, :, np.newaxis]
     loads = loads.reshape(n_modes, N_FORCES, n_maps, q)
-    rows = np.concatenate([held[:, :, :, :N_STAGES, 0], held[:, :, :, END]], axis=3)
+    at_stages = held[:, :, :, :N_STAGES]
+    read = [at_stages[..., 0, :], held[:, :, :, END]]
+    rows = np.concatenate(read if rates is None else [*read, at_stages[..., 1, :]], axis=3)
+    n_rows = rows.shape[3]
     effects = np.einsum("ja,sujpaf->supjf", of_beam, held[:, :, :, _INNER])
     compliance = np.zeros((n_speeds, n_maps, N_STAGES, q // N_STAGES, q))
     at_end = np.zeros((n_speeds, n_maps, n_modes, 2, q))
@@ -323,16 +349,21 @@ def _beam_maps(
         here = loads[:, :, own]
         size, here = here.shape[2], here.reshape(n_modes, N_FORCES, -1)
         # Of each mode by speed, row, cell and stage value.
-        response = rows[:, u].swapaxes(0, 1).reshape(n_modes, n_speeds * N_ROWS, N_FORCES) @ here
-        response = response.reshape(n_modes, n_speeds, N_ROWS, size, q)
-        for shape, of_mode in zip(np.moveaxis(shapes[own], -1, 0), response, strict=True):
-            deflection = of_mode[:, :N_STAGES].swapaxes(1, 2)[:, :, :, np.newaxis]
-            compliance[:, own] += shape[..., np.newaxis] * deflection
-        at_end[:, own] = response[:, :, N_STAGES:].transpose(1, 3, 0, 2, 4)
+        response = rows[:, u].swapaxes(0, 1).reshape(n_modes, n_speeds * n_rows, N_FORCES) @ here
+        response = response.reshape(n_modes, n_speeds, n_rows, size, q)
+        for j, of_mode in enumerate(response):
+            felt = of_mode.swapaxes(1, 2)[:, :, :, np.newaxis]
+            compliance[:, own] += leading[..., j, np.newaxis][:, own] * felt[:, :, :N_STAGES]
+            if rates is not None:
+                moved = lags * shapes[..., j, np.newaxis][own]
+                compliance[:, own] += moved * felt[:, :, N_ROWS:]
+        at_end[:, own] = response[:, :, N_STAGES:N_ROWS].transpose(1, 3, 0, 2, 4)
         values = effects[:, u].reshape(n_speeds * len(_INNER), -1) @ here.reshape(-1, size * q)
         effect[:, own] = values.reshape(n_speeds, -1, size, q).swapaxes(1, 2)
-    displacements = free[:, :, :, :N_STAGES, 0].swapaxes(2, 3)[:, kind, :, np.newaxis]
-    deflections = shapes[..., np.newaxis] * displacements
+    motions = free[:, :, :, :N_STAGES].swapaxes(2, 3)[:, kind, :, np.newaxis]
+    deflections = leading[..., np.newaxis] * motions[..., 0, :]
+    if rates is not None:
+        deflections += (lags * shapes)[..., np.newaxis] * motions[..., 1, :]
     return _BeamMaps(
         free,
         deflections.reshape(n_speeds, n_maps, q, 2 * n_modes),
@@ -340,51 +371,3 @@ def _beam_maps(
         at_end.reshape(n_speeds, n_maps, 2 * n_modes, q),
         effect,
     )
-
-
-def _vehicle_stages(
-    crossing: Crossing, free: FloatArray, held: FloatArray, contact: NDArray[np.bool_]
-) -> tuple[FloatArray, FloatArray]:
-    """G and H of the module's docstring: tire forces from the vehicle and the surface."""
-    vehicle = crossing.linear
-    stage, tire = np.divmod(np.arange(N_STAGES * vehicle.n_tires), vehicle.n_tires)
-    hubs = vehicle.hubs[tire]
-    stiffness = (contact * vehicle.tire_stiffnesses)[tire, np.newaxis]
-    held = held[:, :, stage]
-    from_vehicle = stiffness * np.einsum("qi,suqij->suqj", hubs, free[:, :, stage])
-    from_surface = np.einsum("qi,suqij->suqj", hubs, held) - np.eye(len(stage))
-    return from_vehicle, stiffness * from_surface
-
-
-def _solve_stages(
-    crossing: Crossing,
-    contact: NDArray[np.bool_],
-    from_vehicle: FloatArray,
-    spring: FloatArray,
-    from_beam: FloatArray,
-    compliance: FloatArray,
-) -> FloatArray:
-    """Stage values [R, u] from states and road rows: the system of the module's docstring."""
-    n_tires, n = crossing.linear.n_tires, from_vehicle.shape[-1]
-    stage, tire = np.divmod(np.arange(N_STAGES * n_tires), n_tires)
-    own, size = np.arange(len(stage)), from_beam.shape[-1]
-    batch, count = compliance.shape[:2], len(stage)
-    # What the surface is without the tire forces, from modal states and road rows.
-    given = np.zeros((*batch, count, size + 2 * n_tires + 1))
-    given[..., :size] = from_beam
-    given[:, :, own, size + tire] = 1.0
-    given[:, :, own, size + n_tires + 1 + tire] = GAUSS[stage]
-    flying = np.nonzero(~contact[tire])[0]
-    if flying.size:
-        compliance = compliance.copy()
-        compliance[:, :, flying] = given[:, :, flying] = 0.0
-        given[:, :, flying, size + n_tires] = -crossing.linear.static_loads[tire[flying]]
-    right = np.empty((*batch, count, n + given.shape[-1]))
-    right[..., :n], right[..., n:] = from_vehicle, spring @ given
-    right[..., n + size + n_tires] += (contact * crossing.linear.static_loads)[tire]
-    stages = np.empty((*batch, 2 * count, right.shape[-1]))
-    forces, surface = stages[:, :, :count], stages[:, :, count:]
-    forces[:] = np.linalg.solve(np.eye(count) - spring @ compliance, right)
-    np.matmul(compliance, forces, out=surface)
-    surface[..., n:] += given
-    return stages

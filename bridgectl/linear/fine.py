@@ -43,10 +43,16 @@ def pieces_of(
 ) -> int:
     """Pieces of a cell on the bridge that follow every mode; 1 where the effect reads none."""
     rows = (read or crossing.rows)(np.zeros(1))
-    if not rows.per_state[crossing.n_vehicle :].any():
+    if crossing.linear.tire_damping.any():  # of which cells follow every mode
         return 1
+    reads = rows.per_state[crossing.n_vehicle :].any()
+    return mode_pieces(crossing, slowest, nodes) if reads else 1
+
+
+def mode_pieces(crossing: Crossing, slowest: float, nodes: FloatArray, refine: int = 1) -> int:
+    """Pieces of a cell on the bridge that follow every mode, `refine` times as close."""
     widest = float(np.diff(nodes)[nodes[:-1] >= 0].max())
-    phase = crossing.beam.omega.max() * widest / slowest
+    phase = refine * crossing.beam.omega.max() * widest / slowest
     return 1 if phase < MAX_BEAM_PHASE + 1e-6 else int(np.ceil(phase / FINE_PHASE))
 
 

@@ -28,10 +28,10 @@ from bridgectl.linear.cells import (
     modal_forces,
     parabola,
     road_rows,
-    vehicle_matrices,
 )
 from bridgectl.linear.modes import hold_responses, mode_responses
 from bridgectl.linear.runs import LIFT_OFF, Run
+from bridgectl.linear.stages import vehicle_matrices
 from bridgectl.model.crossing import Crossing
 
 EVENT_TOLERANCE = 1e-12
@@ -170,7 +170,8 @@ class _Stretch:
         """States of the modes at fractions of a cell."""
         crossing, ends = self.run.crossing, self.nodes[cell : cell + 2]
         forces = self.stages[np.newaxis, cell : cell + 1, 0]
-        loads = modal_forces(crossing, ends[:1], np.diff(ends), forces)[0, 0]
+        places = ends[:1, np.newaxis] + np.diff(ends)[:, np.newaxis] * FORCE_POINTS
+        loads = modal_forces(crossing, places, forces)[0, 0]
         start = self.states[cell, crossing.n_vehicle :].reshape(-1, 1, 2, 1)
         free, held = (
             of[0, 0] for of in mode_responses(crossing.beam, duration, FORCE_POINTS, fractions)
@@ -182,11 +183,12 @@ class _Stretch:
 def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
     """Simulate a crossing at a speed [m/s] with its tires kept from pulling, R >= 0.
 
-    Its vehicle starts in equilibrium on a level road. The nodes of the cells [m] hold all kinks.
+    Its vehicle starts at rest on the road under each axle. The nodes [m] hold all kinks.
     """
     loads = run.crossing.linear.static_loads
     touching, turned, count = np.ones(len(loads), dtype=bool), False, FEWEST_CELLS
-    parts, x, state = [], nodes[0], np.zeros(run.crossing.n_states)
+    parts, x, state = [], nodes[0], run.initial()
+    first_state, first_force = state, run.forces(x, state, np.array(speed))
     while x < nodes[-1]:
         first, entry = np.searchsorted(nodes, x, side="right"), bridge_entry(nodes)
         # The modes are at rest before the bridge.
@@ -207,8 +209,8 @@ def fly(run: Run, speed: float, nodes: FloatArray) -> Flight:
             turned, count = True, FEWEST_CELLS
         x, state = parts[-1].ends[-1], parts[-1].states[-1]
     ends, states, forces, inner = (np.concatenate(of) for of in zip(*parts, strict=True))
-    ends, forces = np.append(nodes[0], ends), np.vstack([loads, forces])
-    states = np.vstack([np.zeros(run.crossing.n_states), states])
+    ends, forces = np.append(nodes[0], ends), np.vstack([first_force, forces])
+    states = np.vstack([first_state, states])
     at_nodes = run.crossing.values(ends, states, forces)
     effects = np.column_stack([at_nodes[:-1], inner]).ravel()
     return Flight(ends, states.T, forces.T, np.append(effects, at_nodes[-1]))

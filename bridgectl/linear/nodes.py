@@ -34,7 +34,9 @@ def kink_positions(
     section.
     """
     places = np.concatenate([stations, crossing.kinks])
-    kinks = np.add.outer(places, crossing.linear.tire_offsets).ravel()
+    paths, length = crossing.paths, crossing.beam.length
+    kinks = paths.passing(places, length, start, end)
+    kinks = np.concatenate([kinks, paths.changes(start, end)])
     inside = (kinks > start + SAME_PLACE) & (kinks < end - SAME_PLACE)
     return merge_places(np.concatenate([[start], kinks[inside], [end]]))
 
@@ -76,6 +78,9 @@ def cell_nodes(
     fastest, highest = fastest_motion(crossing), followed(crossing, wide=wide)
     on_bridge = cell_width(fastest, highest, speed)
     width = np.where(kinks[1:] < SAME_PLACE, cell_width(fastest, 0.0, speed), on_bridge)
+    # Errors of several vehicles add up.
+    width = width / np.sqrt(crossing.paths.distances.size)
+    width = np.minimum(width, MAX_WIDTH / crossing.paths.fastest(kinks[0], kinks[-1]))
     pieces = refine * np.ceil(np.diff(kinks) / width - SAME_PLACE)
     if pieces.sum() > MOST_CELLS:
         raise ValueError(

@@ -62,8 +62,7 @@ def find_peaks(histories: FloatArray, between: Between | None = None) -> Peaks:
         columns, cells = np.unique([columns, cells], axis=1)
         values, fractions = _fine_peaks(between, cells, columns)
     else:
-        around = histories[_PER_CELL * cells + np.arange(_PER_CELL + 1)[:, np.newaxis], columns]
-        values, fractions = _polynomial_peaks(around)
+        values, fractions = _polynomial_peaks(_around(histories, cells, columns))
     best = _best(values, columns, histories.shape[1])
     return Peaks(values[best], cells[best], fractions[best])
 
@@ -116,16 +115,22 @@ def candidates(
     return cells[inside], columns[inside]
 
 
+def _around(
+    histories: FloatArray, cells: NDArray[np.intp], columns: NDArray[np.intp]
+) -> FloatArray:
+    """Samples of cells and the next one's first, (7, n)."""
+    return histories[_PER_CELL * cells + np.arange(_PER_CELL + 1)[:, np.newaxis], columns]
+
+
 def raise_peaks(best: FloatArray, histories: FloatArray) -> None:
     """Raise, in place, the largest values of histories so far by those of a further stretch.
 
     Shapes (n_histories,) and, as in `find_peaks`, (6 n_cells + 1, n_histories).
     """
-    columns = np.nonzero(histories.max(axis=0) + margins(histories) >= best)[0]
-    if columns.size:
-        every = columns.size == len(best)
-        higher = find_peaks(histories if every else histories[:, columns]).values
-        best[columns] = np.maximum(best[columns], higher)
+    enough = np.maximum(histories.max(axis=0), best) - margins(histories)
+    cells, columns = candidates(histories, enough)
+    if cells.size:
+        np.maximum.at(best, columns, _polynomial_peaks(_around(histories, cells, columns))[0])
 
 
 def whole_cells(first: int, last: int, n_samples: int) -> tuple[int, int]:

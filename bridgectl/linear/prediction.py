@@ -13,7 +13,8 @@ from bridgectl._warn import warn
 from bridgectl.linear.cells import bridge_entry, road_rows
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.lift_off import LiftOffWarning
-from bridgectl.linear.runs import Run, Stretch, lifts_off, prepare, propagate
+from bridgectl.linear.runs import Run, Stretch, lifts_off, propagate
+from bridgectl.linear.start import begin
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing
 from bridgectl.model.effect import Effect
@@ -44,6 +45,8 @@ class Prediction:
     effect_constants: FloatArray
     """A factor."""
     entry: int
+    initial: FloatArray
+    """[m, m/s]"""
 
     def __repr__(self) -> str:
         x, (n, n_dampers) = self.positions, self.damper_input.shape
@@ -69,7 +72,7 @@ def prediction_matrices(
 
     For control with preview, bounds and optimization. With the tires in contact::
 
-        x_(k+1) = transitions[k] @ (x_k + damper_input @ z_k) + offsets[k],   x_0 = 0
+        x_(k+1) = transitions[k] @ (x_k + damper_input @ z_k) + offsets[k],   x_0 = initial
         effect_k = effect_rows[k] @ x_k + effect_constants[k]
         v_k = velocity_rows @ x_k
 
@@ -96,6 +99,8 @@ def prediction_matrices(
         - effect_rows (C + 1, n) and effect_constants (C + 1,) of the effect over its static peak,
           if it has one, with the road and the static loads; of what counts by its smallest value,
           and is positive, its negative.
+
+        - initial (n,) [m, m/s]: the states at the start, at rest on the road under each axle.
 
         On the approach the bridge is at rest: its states are 0, and so are all rows.
 
@@ -127,7 +132,8 @@ def prediction_matrices(
     1.1484 predicted, 1.1484 simulated
     """
     crossing, c = make_crossing(beam, vehicle, effect, section, recovery), Motion(speed).speed
-    run, speeds = prepare(crossing, profile, start), np.array([c])
+    run, speeds = begin(crossing, profile, start, c), np.array([c])
+    crossing.paths.require_steady(speeds)
     judge_crossing(crossing, c, profile)
     require_crossing(run, speeds)
     nodes = run.nodes(c)
@@ -144,30 +150,30 @@ def predict(
     crossing, n, first = run.crossing, run.crossing.n_states, 0
     durations = np.diff(nodes) / speed
     transitions, offsets = np.zeros((len(durations), n, n)), np.zeros((len(durations), n))
-    for cells, road, *_ in stretches or propagate(run, np.array([speed]), nodes):
+    for _, cells, *_ in stretches or propagate(run, np.array([speed]), nodes):
         own, size = slice(first, first + len(cells.kind)), cells.n_states
         maps = cells.transitions()[0, cells.map_of, :size]
         transitions[own, :size, :size] = maps[..., :size]
-        offsets[own, :size] = (maps[..., size:] @ road_rows(road)[..., np.newaxis])[..., 0]
+        offsets[own, :size] = (
+            maps[..., size:] @ road_rows(run.road(cells.nodes))[..., np.newaxis]
+        )[..., 0]
         first = own.stop
     velocities = np.zeros((len(crossing.linear.damper_map), n))
     velocities[:, : crossing.n_vehicle] = crossing.linear.damper_map @ crossing.linear.velocities
     return Prediction(
         nodes, durations, transitions, offsets, crossing.damper_matrix, velocities,
-        *_effects(run, nodes), bridge_entry(nodes),
+        *_effects(run, speed, nodes), bridge_entry(nodes), run.initial(),
     )  # fmt: skip
 
 
-def _effects(run: Run, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _effects(run: Run, speed: float, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Rows and constants of the crossing's effect at the nodes, 0 on the approach.
 
     The effect is affine in the states: its values at rest and at each unit state tell.
     """
-    crossing, n, on = run.crossing, run.crossing.n_vehicle, slice(bridge_entry(nodes), None)
+    crossing, on = run.crossing, slice(bridge_entry(nodes), None)
     x, units = nodes[on], np.eye(crossing.n_states + 1, crossing.n_states, -1)
-    deflections = np.einsum("ckj,sj->sck", crossing.tire_shapes(x), units[:, n::2])
-    hubs = (units[:, :n] @ crossing.linear.hubs.T)[:, np.newaxis]
-    forces = crossing.tire_forces(hubs, deflections, run.road(x))
+    forces = run.forces(x, units[:, np.newaxis], np.full(len(x), speed))
     values = np.zeros((len(nodes), len(units)))
     values[on] = crossing.values(x, units[:, np.newaxis], forces).T
     return values[:, 1:] - values[:, :1], values[:, 0]

@@ -7,22 +7,26 @@ from __future__ import annotations
 
 import control
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl._progress import track
 from bridgectl._units import to_kmh
-from bridgectl.linear import runs
+from bridgectl.linear import reference, runs
 from bridgectl.linear.cells import SAMPLES, bridge_entry, sample_positions
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.fine import Refinement, pieces_of
 from bridgectl.linear.lift_off import fly, warn_of_flight, warn_of_flights
 from bridgectl.linear.peaks import find_peaks
+from bridgectl.linear.within import all_samples
 from bridgectl.model.motion import Motion
 
 METHODS = ("propagator", "control")
+
+REFINE = 4
+"""How many times as close as nodes of cells the places of responses are, which people look at."""
 
 
 def linear_response(
@@ -32,28 +36,39 @@ def linear_response(
 
     Of shapes (m,), (n, m) and (n_tires, m). The propagator takes motions of constant speed alone.
     """
-    crossing, speed = run.crossing, np.array([motion.speed])
-    tail = (run.end - crossing.exit) / motion.speed
-    require_crossing(run, speed, tail=tail, refine=4)
-    nodes = run.nodes(motion.speed, refine=4)
-    keep = np.arange(len(nodes))
-    if asked is not None:
-        nodes = merge_places(np.concatenate([asked, nodes]))
-        keep = np.searchsorted(nodes, asked - SAME_PLACE)
-    if method == "control":
-        states, forces = runs.simulate_reference(run, motion, nodes)
-    else:
+    crossing, slowest = run.crossing, run.slowest(motion.speed)
+    speed, tail = np.array([slowest]), (run.end - crossing.exit) / slowest
+    require_crossing(run, speed, tail=tail, refine=REFINE)
+    if method == "propagator":
+        nodes, keep = _nodes(run, slowest, asked, wide=True)
         stretches = runs.propagate(run, speed, nodes)
         if not runs.lifts_off(crossing, stretches)[0]:
+            if asked is None:
+                return all_samples(run, speed, stretches, REFINE)
             return nodes[keep], *runs.at_nodes(crossing, stretches, keep)
+    nodes, keep = _nodes(run, slowest, asked)
+    if method == "propagator" and run.plain:
         flight = fly(run, motion.speed, nodes)
         # The places of lift-offs and landings are among its nodes.
         keep = np.searchsorted(flight.nodes, nodes[keep] - SAME_PLACE)
         nodes, states, forces = flight.nodes, flight.states, flight.forces
+    else:
+        states, forces = reference.simulate_reference(run, motion, nodes)
     place = runs.first_flight(nodes, forces)
     if place is not None:
         warn_of_flight(place)
     return nodes[keep], states[:, keep], forces[:, keep]
+
+
+def _nodes(
+    run: runs.Run, slowest: float, asked: FloatArray | None, *, wide: bool = False
+) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Nodes of a response [m], what is asked for among them, and which that is: all by default."""
+    nodes = run.nodes(slowest, REFINE, wide=wide)
+    if asked is None:
+        return nodes, np.arange(len(nodes))
+    nodes = merge_places(np.concatenate([asked, nodes]))
+    return nodes, np.searchsorted(nodes, asked - SAME_PLACE)
 
 
 def checked_times(timepts: ArrayLike, run: runs.Run, motion: Motion) -> FloatArray:
@@ -85,9 +100,9 @@ def as_response(
         damper = np.zeros((len(crossing.linear.damper_map), len(positions)))
     return control.TimeResponseData(
         motion.time(positions),
-        crossing.outputs(positions, states, forces, damper),
+        crossing.outputs(positions, states, forces, damper, motion.accelerations(positions)),
         states,
-        np.vstack([run.road(positions).T, damper]),
+        np.vstack([run.road_inputs(motion, positions), damper]),
         issiso=False,
         output_labels=crossing.output_labels,
         state_labels=crossing.state_labels,
@@ -121,11 +136,11 @@ def linear_dafs(
             nodes, forces = bridge.cells.nodes, runs.node_forces(crossing, bridge)
             between = Refinement(
                 crossing, speeds[batch], nodes, bridge.states, bridge.forces, forces,
-                pieces_of(crossing, speeds[batch].min(), nodes),
+                pieces_of(crossing, speeds[batch].min(), nodes) if run.plain else 1,
             )  # fmt: skip
             result[batch] = find_peaks(samples.T, between).values
             linear[batch] = ~runs.lifts_off(crossing, stretches)
-    simulate = _flying_peak if method == "propagator" else _reference_peak
+    simulate = _flying_peak if run.plain and method == "propagator" else _reference_peak
     flights = {}
     flying = np.nonzero(~linear)[0]
     for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
@@ -145,11 +160,12 @@ def _flying_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
 
 def _reference_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
     """The same by the reference route."""
-    nodes = run.nodes(speed)
-    positions = sample_positions(nodes)
-    states, forces = runs.simulate_reference(run, Motion(speed), positions)
-    effect = run.crossing.values(positions, states.T, forces.T)
-    return _peak(effect, nodes), runs.first_flight(positions, forces)
+    nodes, motion = run.nodes(speed), run.motion or Motion(speed)
+    positions = sample_positions(nodes, run.motion)
+    states, forces = reference.simulate_reference(run, motion, positions)
+    effect = reference.reference_samples(run, motion, nodes, states, forces)
+    peak = float(find_peaks(effect[:, np.newaxis]).values[0])
+    return peak, runs.first_flight(positions, forces)
 
 
 def _peak(samples: FloatArray, nodes: FloatArray) -> float:

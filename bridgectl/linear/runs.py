@@ -9,10 +9,8 @@ places.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import NamedTuple
 
-import control
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,19 +19,24 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl.linear.cells import (
     N_STAGES,
+    SAMPLES,
     Cells,
     bridge_entry,
     build_cells,
     road_rows,
 )
 from bridgectl.linear.nodes import cell_nodes, kink_positions
+from bridgectl.linear.pace import speeds_at
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
+from bridgectl.model.paths import LOOKED_AT
+from bridgectl.model.traffic import Traffic
 from bridgectl.road import RoadProfile
+from bridgectl.road.elevations import falls_of
 from bridgectl.road.sampling import warn_if_coarse
 
-REFERENCE_TOLERANCES = {"rtol": 1e-9, "atol": 1e-13}
-"""Tolerances of the reference route; the states are metres, deflections about 1e-4 of one."""
+BESIDE = 2 * SAME_PLACE
+"""How far from a place [m] what is just before or just after it is looked for."""
 
 LIFT_OFF = 1e-9
 """Fraction of its static load by which a tire force may be negative through round-off."""
@@ -43,41 +46,132 @@ BATCH_BYTES = 64e6
 
 
 class Run(NamedTuple):
-    """A crossing to simulate: where it starts and ends, and the road."""
+    """A crossing to simulate: where it starts and ends, the road, and motions but uniform ones."""
 
     crossing: Crossing
     start: float
     end: float
     profile: RoadProfile | None
+    motion: Motion | None = None
 
     def kinks(self) -> FloatArray:
         """Where the motion is not smooth: see `kink_positions`."""
-        stations = np.zeros(0)
-        if self.profile is not None:
-            # The road before the start is level: it has a kink there.
-            stations = np.append(self.profile.x[self.profile.x > self.start], self.start)
-        return kink_positions(self.crossing, self.start, self.end, stations)
+        stations = np.zeros(0) if self.profile is None else self.profile.x
+        kinks = kink_positions(self.crossing, self.start, self.end, stations)
+        if self.motion is None:
+            return kinks
+        changes = np.array(self.motion.changes)
+        inside = (changes > self.start) & (changes < self.end)
+        return merge_places(np.append(kinks, changes[inside]))
 
     def nodes(self, slowest: float, refine: int = 1, *, wide: bool = False) -> FloatArray:
         """Nodes of the cells: see `cell_nodes`."""
+        slowest, wide = self.slowest(slowest), wide and self.plain
         return cell_nodes(self.crossing, slowest, self.kinks(), refine, wide=wide)
 
     def road(self, x: FloatArray) -> FloatArray:
         """Road r under each tire for the reference tire at x, positive downward [m]."""
         tires = self.crossing.tire_positions(x)
-        return (
-            np.zeros_like(tires) if self.profile is None else self.profile.drop(tires, self.start)
+        if self.profile is None:
+            return np.zeros_like(tires)
+        return self.profile.drop(tires, self.datum, level=False)
+
+    @property
+    def datum(self) -> float:
+        """Where the road counts as 0 m high: the start, if it is not one from the other end [m]."""
+        return self.start if self.profile is None else max(self.start, float(self.profile.x[0]))
+
+    def initial(self) -> FloatArray:
+        """States at the start: the vehicle at rest on the road under each axle, the bridge too."""
+        vehicle, state = self.crossing.linear, np.zeros(self.crossing.n_states)
+        if self.profile is None or (vehicle.n_tires == 1 and not self.crossing.paths.opposite[0]):
+            return state
+        road = self.road(np.array(self.start))
+        forces = vehicle.tire_map.T @ (vehicle.tire_stiffnesses * road)
+        state[: self.crossing.n_vehicle] = vehicle.flexibility @ forces
+        return state
+
+    def road_inputs(self, motion: Motion, x: FloatArray) -> FloatArray:
+        """Inputs of the crossing's system for the road at places, (n_inputs, m)."""
+        inputs = [self.road(x).T]
+        if self.crossing.linear.tire_damping.any():
+            inputs.append(self._falls(x).T * motion.speeds(x) * self.crossing.tire_paces(x).T)
+        return np.vstack(inputs)
+
+    def forces(
+        self, x: FloatArray, states: FloatArray, speeds: FloatArray, *, before: bool = False
+    ) -> FloatArray:
+        """Tire forces at places from states there, as if tires could pull, (..., m, n_tires).
+
+        Of states (..., m, n), which may be those of the vehicle alone, and speeds (..., m). Tires
+        with damping feel a kink with a jump: forces are those just after it, or just before.
+        """
+        crossing, n = self.crossing, self.crossing.n_vehicle
+        beside, road = x, self.road(x)
+        if crossing.linear.tire_damping.any():
+            beside = x + (-BESIDE if before else BESIDE)
+            along = speeds[..., np.newaxis] * crossing.tire_paces(beside)
+            road = road + crossing.linear.tire_lags * self._falls(beside) * along
+        deflections: FloatArray = np.zeros(1)
+        if states.shape[-1] > n:
+            shapes, rates = crossing.tire_shapes(beside), crossing.shape_rates(beside, speeds)
+            deflections = crossing.leading_deflections(states[..., n:], shapes, rates)
+        hubs = states[..., :n] @ crossing.linear.leading_hubs.T
+        return crossing.tire_forces(hubs, deflections, road)
+
+    def _falls(self, x: FloatArray) -> FloatArray:
+        """Slope of the road under each tire just after places, (m, n_tires)."""
+        tires = self.crossing.tire_positions(x)
+        return np.zeros_like(tires) if self.profile is None else falls_of(self.profile, tires)
+
+    def end_of_tail(self, motion: Motion, tail: float) -> float:
+        """Where the reference tire is a time [s] after the end [m]."""
+        if tail == 0:
+            return self.end
+        last = motion.time(self.end) + tail
+        end = motion.position(last)
+        # A vehicle that turns round is there at two times.
+        if end < self.end or motion.time(end) < last - SAME_PLACE:
+            raise ValueError(f"tail must end before the vehicle stands still, got {tail:g} s")
+        return end
+
+    def slowest(self, speed: float) -> float:
+        """The lowest speed of the motion [m/s], or the constant one."""
+        if self.motion is None:
+            return speed
+        places = [x for x in self.motion.changes if self.start < x < self.end]
+        return float(self.motion.speeds(np.array([self.start, *places, self.end])).min())
+
+    def pitched(self, nodes: FloatArray) -> FloatArray:
+        """States of the vehicle at rest under the acceleration in each cell, (C, n_vehicle)."""
+        at_rest = self.crossing.linear.pitched
+        if self.motion is None:
+            return np.zeros((1, len(at_rest)))
+        return np.outer(self.motion.accelerations((nodes[:-1] + nodes[1:]) / 2), at_rest)
+
+    @property
+    def plain(self) -> bool:
+        """Whether the speed is constant and the tires are springs alone."""
+        return self.motion is None and not self.crossing.linear.tire_damping.any()
+
+    @property
+    def jumps(self) -> bool:
+        """Whether what is looked at may jump at the nodes."""
+        vehicle = self.crossing.linear
+        return bool(vehicle.tire_damping.any()) or (
+            self.motion is not None and bool(vehicle.pitch_input.any())
         )
 
 
 class Stretch(NamedTuple):
     """The approach or the bridge, simulated: `Cells.propagate` for one road.
 
-    `road` has shape (C + 1, n_tires), `states` (S, C + 1, n), `stages` (S, C, 2 q).
+    `states` have the shape (S, C + 1, n), `stages` (S, C, 2 q), `speeds` at the nodes (S, C + 1).
     """
 
+    run: Run
     cells: Cells
-    road: FloatArray
+    speeds: FloatArray
     states: FloatArray
     stages: FloatArray
 
@@ -106,9 +200,27 @@ def prepare(
                 f"profile must be a bridgectl.RoadProfile, got {type(profile).__name__}: "
                 "type RoadProfile(x, elevation) or read_profile(path), and one road at a time"
             )
-        profile.require(start, crossing.beam.length, "the crossing")
+        first = crossing.paths.covered(start, crossing.beam.length)[0]
+        profile.require(first, crossing.beam.length, "the crossing")
         warn_if_coarse(profile, "dynamic amplification", pieces=pieces)
+    if isinstance(crossing.linear, Traffic) and crossing.paths.motions:
+        x = np.linspace(start, crossing.exit, LOOKED_AT)
+        crossing.linear.require_apart(x, crossing.beam.length)
     return Run(crossing, start, crossing.exit, profile)
+
+
+def require_beyond(run: Run) -> None:
+    """Refuse a road that does not reach to where vehicles from the other end start."""
+    if run.profile is not None:
+        needed = run.crossing.paths.covered(run.start, run.crossing.beam.length)
+        run.profile.require(*needed, "the crossing, with vehicles from the other end,")
+
+
+def moving(run: Run, motion: Motion) -> Run:
+    """The crossing with a motion, which must take the vehicle to its end."""
+    motion.time(np.array([run.start, run.end]))
+    steady = motion.uniform and run.crossing.paths.steady
+    return run._replace(motion=None if steady else motion)
 
 
 def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> Iterator[slice]:
@@ -123,54 +235,91 @@ def speed_batches(run: Run, speeds: FloatArray, memory: float = BATCH_BYTES) -> 
 
 
 def propagate(run: Run, speeds: FloatArray, nodes: FloatArray) -> list[Stretch]:
-    """Simulate the linear crossing: the approach if there is one, then the bridge."""
+    """Simulate the linear crossing: the approach if there is one, then the bridge.
+
+    At the speeds [m/s], or with the run's motion, whatever speed is given then.
+    """
     crossing, entry = run.crossing, bridge_entry(nodes)
-    initial = np.zeros((len(speeds), crossing.n_states, 1))
+    initial = np.repeat(run.initial()[np.newaxis, :, np.newaxis], len(speeds), axis=0)
     stretches = []
     if entry > 0:
-        cells = build_cells(crossing, speeds, nodes[: entry + 1], on_bridge=False)
-        approach = _through(run, cells, initial[:, : crossing.n_vehicle])
+        approach = _through(run, speeds, nodes[: entry + 1], initial[:, : crossing.n_vehicle])
         initial[:, : crossing.n_vehicle, 0] = approach.states[:, -1]
         stretches.append(approach)
-    cells = build_cells(crossing, speeds, nodes[entry:], on_bridge=True)
-    return [*stretches, _through(run, cells, initial)]
+    return [*stretches, _through(run, speeds, nodes[entry:], initial)]
 
 
-def _through(run: Run, cells: Cells, initial: FloatArray) -> Stretch:
-    road = run.road(cells.nodes)
-    states, stages = cells.propagate(road_rows(road)[..., np.newaxis], initial)
-    return Stretch(cells, road, states[..., 0], stages[..., 0])
+def _through(run: Run, speeds: FloatArray, nodes: FloatArray, initial: FloatArray) -> Stretch:
+    crossing, motion = run.crossing, run.motion
+    on_bridge = initial.shape[1] > crossing.n_vehicle
+    cells = build_cells(crossing, speeds, nodes, on_bridge=on_bridge, motion=motion)
+    accelerations = None
+    if motion is not None and cells.pitched is not None:
+        accelerations = motion.accelerations((nodes[:-1] + nodes[1:]) / 2)
+    rows = road_rows(run.road(nodes), accelerations)[..., np.newaxis]
+    states, stages = cells.propagate(rows, initial)
+    return Stretch(run, cells, speeds_at(nodes, speeds, motion), states[..., 0], stages[..., 0])
 
 
 def effect_samples(crossing: Crossing, bridge: Stretch) -> FloatArray:
-    """The crossing's effect at `sample_positions` of the bridge's cells, (S, n_samples)."""
-    at_nodes = crossing.values(bridge.cells.nodes, bridge.states, node_forces(crossing, bridge))
-    inner = bridge.cells.inner_effects(bridge.states[:, :-1], bridge.stages)
+    """The crossing's effect at `sample_positions` of the bridge's cells, (S, n_samples).
+
+    Where it may jump at the nodes there are cells in between, as `connected` makes them.
+    """
+    run, nodes, states = bridge.run._replace(crossing=crossing), bridge.cells.nodes, bridge.states
+    at_nodes = effect_at(run, nodes, states, node_forces(crossing, bridge))
+    inner = bridge.cells.inner_effects(states[:, :-1], bridge.stages)
+    if run.motion is not None and bridge.cells.pitched is not None:
+        a = run.motion.accelerations((nodes[:-1] + nodes[1:]) / 2)[:, np.newaxis]
+        moved = bridge.cells.effect_from_states @ bridge.cells.pitched
+        rows = run.crossing.rows(nodes[0]).per_state @ bridge.cells.pitched
+        inner += a * (rows - moved[:, bridge.cells.kind] + run.crossing.per_acceleration)
     inner = np.concatenate([at_nodes[:, :-1, np.newaxis], inner], axis=2)
-    return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
+    if not run.jumps:
+        return np.concatenate([inner.reshape(len(inner), -1), at_nodes[:, -1:]], axis=1)
+    ends = effect_at(run, nodes, states, node_forces(crossing, bridge, before=True), before=True)
+    return connected(inner, ends[:, 1:])
+
+
+def effect_at(
+    run: Run, x: FloatArray, states: FloatArray, forces: FloatArray, *, before: bool = False
+) -> FloatArray:
+    """The crossing's effect at places, just after them or just before."""
+    a: FloatArray | float = 0.0
+    if run.motion is not None:
+        a = run.motion.accelerations(x + (-BESIDE if before else BESIDE))
+    return run.crossing.values(x, states, forces, a)
+
+
+def connected(samples: FloatArray, ends: FloatArray) -> FloatArray:
+    """Samples with cells between those of the bridge, on which what jumps there is straight.
+
+    Of cells with a jump at their ends: samples (..., C, 6), and what is just before the ends,
+    (..., C), become (..., 12 C - 5).
+    """
+    after = np.concatenate([samples[..., 1:, 0], ends[..., -1:]], axis=-1)
+    steps = np.arange(len(SAMPLES)) / len(SAMPLES)
+    jumps = ends[..., np.newaxis] + (after - ends)[..., np.newaxis] * steps
+    every = np.stack([samples, jumps], axis=-2)
+    return every.reshape(*samples.shape[:-2], -1)[..., : 1 - len(SAMPLES)]
 
 
 def lifts_off(crossing: Crossing, stretches: list[Stretch]) -> NDArray[np.bool_]:
     """At which speeds some tire would have to pull, shape (S,)."""
     least = np.full(len(stretches[0].states), np.inf)
     for stretch in stretches:
-        at_nodes = node_forces(crossing, stretch) / crossing.linear.static_loads
         loads = np.tile(crossing.linear.static_loads, N_STAGES)
-        least = np.minimum(least, at_nodes.min(axis=(1, 2)))
+        for before in (False, True) if stretch.run.jumps else (False,):
+            at_nodes = node_forces(crossing, stretch, before=before) / crossing.linear.static_loads
+            least = np.minimum(least, at_nodes.min(axis=(1, 2)))
         least = np.minimum(least, (stretch.forces / loads).min(axis=(1, 2)))
     return np.asarray(least < -LIFT_OFF)
 
 
-def node_forces(crossing: Crossing, stretch: Stretch) -> FloatArray:
-    """Tire forces at the nodes, shape (S, C + 1, n_tires)."""
-    n, states = crossing.n_vehicle, stretch.states
-    deflections = np.zeros(1)
-    if states.shape[-1] > n:
-        shapes = crossing.tire_shapes(stretch.cells.nodes)
-        deflections = np.einsum("ckj,scj->sck", shapes, states[:, :, n::2])
-    return crossing.tire_forces(
-        states[:, :, :n] @ crossing.linear.hubs.T, deflections, stretch.road
-    )
+def node_forces(crossing: Crossing, stretch: Stretch, *, before: bool = False) -> FloatArray:
+    """Tire forces at the nodes, (S, C + 1, n_tires): see `Run.forces`."""
+    run = stretch.run._replace(crossing=crossing)
+    return run.forces(stretch.cells.nodes, stretch.states, stretch.speeds, before=before)
 
 
 def at_nodes(
@@ -195,51 +344,6 @@ def linear_contact(run: Run, speeds: FloatArray) -> NDArray[np.bool_]:
         nodes = run.nodes(float(speeds[batch].min()), wide=True)
         contact[batch] = ~lifts_off(run.crossing, propagate(run, speeds[batch], nodes))
     return contact
-
-
-def reference_effect(run: Run, motion: Motion, positions: FloatArray) -> FloatArray:
-    """The crossing's effect at positions by the reference path, shape (m,)."""
-    # The simulation starts on the approach, whatever positions are asked for.
-    nodes = merge_places(np.concatenate([run.kinks(), positions]))
-    states, forces = simulate_reference(run, motion, nodes)
-    keep = np.searchsorted(nodes, positions - SAME_PLACE)
-    return run.crossing.values(positions, states[:, keep].T, forces[:, keep].T)
-
-
-def simulate_reference(
-    run: Run, motion: Motion, positions: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Simulate with `control.input_output_response`, the tires kept from pulling.
-
-    One simulation from kink to kink, so that no integration step crosses one and none is
-    stepped over. Positions must include the kinks. Returns states (n, m) and tire forces
-    (n_tires, m).
-    """
-    crossing, system = run.crossing, run.crossing.system(motion)
-    first_force = crossing.output_labels.index("deflection") + 1
-    road = run.road(positions)
-    inputs = np.zeros((len(crossing.input_labels), len(positions)))
-    inputs[: road.shape[1]] = road.T
-    states = np.zeros((crossing.n_states, len(positions)))
-    forces = np.empty((road.shape[1], len(positions)))
-    ends = np.searchsorted(positions, run.kinks() - SAME_PLACE)
-    times = motion.time(positions)
-    for first, last in pairwise(ends):
-        piece = slice(first, last + 1)
-        time = times[piece]
-        response = control.input_output_response(
-            system,
-            time,
-            inputs[:, piece],
-            states[:, first],
-            solve_ivp_method="DOP853",
-            # A kink is where a step may be as long as the motion allows, from the start.
-            solve_ivp_kwargs={**REFERENCE_TOLERANCES, "first_step": time[-1] - time[0]},
-            squeeze=False,
-        )
-        states[:, piece] = response.states
-        forces[:, piece] = np.asarray(response.outputs)[first_force:][: len(forces)]
-    return states, forces
 
 
 def first_flight(positions: FloatArray, forces: FloatArray) -> float | None:

@@ -15,32 +15,28 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
 from bridgectl._progress import track
 from bridgectl.linear.cells import (
-    FORCE_POINTS,
-    FROM_STAGES,
     GAUSS,
-    N_STAGES,
     SAMPLES,
     bridge_entry,
-    modal_forces,
     sample_positions,
 )
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.fine import Refinement, pieces_of
 from bridgectl.linear.lift_off import fly, warn_of_flights
-from bridgectl.linear.modes import hold_responses, mode_responses
 from bridgectl.linear.nodes import followed
 from bridgectl.linear.peaks import Peaks, find_peaks
+from bridgectl.linear.reference import contact_forces, simulate_reference
 from bridgectl.linear.response import linear_dafs
 from bridgectl.linear.runs import (
     Run,
-    Stretch,
+    connected,
     first_flight,
     lifts_off,
-    node_forces,
+    moving,
     propagate,
-    simulate_reference,
     speed_batches,
 )
+from bridgectl.linear.within import bridge_samples
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing
 from bridgectl.model.effect import Effect, EffectRows
@@ -53,7 +49,10 @@ AT_STAGES = np.searchsorted(SAMPLES, GAUSS)
 
 
 class Samples(NamedTuple):
-    """A crossing of the bridge at the `sample_positions` of its cells."""
+    """A crossing of the bridge at the `sample_positions` of its cells.
+
+    Where forces may jump there are cells of no width between them: see `runs.connected`.
+    """
 
     nodes: FloatArray
     states: FloatArray
@@ -64,18 +63,26 @@ class Samples(NamedTuple):
     """Where a tire first leaves the road [m]."""
     slowest: float = np.inf
     """The slowest speed [m/s] that cells were made for, that of the crossing or less."""
+    places: FloatArray | None = None
+    """Places of the samples [m], (m,), if they are not the `sample_positions`."""
+    accelerations: FloatArray | float = 0.0
+    """Along the road [m/s^2], (m,)."""
 
     def histories(self, crossing: Crossing, effects: Sequence[Effect]) -> FloatArray:
         """Histories of effects in their units, shape (m, n_effects)."""
-        tires = crossing.tire_positions(sample_positions(self.nodes))
+        places = sample_positions(self.nodes) if self.places is None else self.places
+        tires = crossing.tire_positions(places)
         read = crossing.beam, crossing.linear, tires, self.states, self.forces
-        return np.stack([effect.history(*read) for effect in effects], axis=1)
+        each = [effect.history(*read, accelerations=self.accelerations) for effect in effects]
+        return np.stack(each, axis=1)
 
     def peaks(
         self, crossing: Crossing, speed: float, effects: Sequence[Effect], factors: FloatArray
     ) -> Peaks:
         """Largest values of effects times factors at a speed [m/s], one of each."""
         histories = self.histories(crossing, effects) * factors
+        if self.places is not None:  # such cells follow every mode
+            return find_peaks(histories)
         per_cell = len(SAMPLES)
         states = self.states.T[np.newaxis, ::per_cell]
         forces = self.forces[:, :-1].T.reshape(len(self.nodes) - 1, per_cell, -1)[:, AT_STAGES]
@@ -154,6 +161,16 @@ def _cells_of(run: Run, crossing: Crossing) -> tuple[float, ...]:
     return wide, *run._replace(crossing=crossing).kinks().tolist()
 
 
+def dafs_of_motions(
+    run: Run, crossings: Sequence[Crossing], motions: Sequence[Motion], method: str, progress: bool
+) -> FloatArray:
+    """Return `dafs_of_effects` of several motions, one after the other."""
+    speeds = np.array([[motion.speed] for motion in motions])
+    each = zip([moving(run, motion) for motion in motions], speeds, strict=True)
+    found = [dafs_of_effects(one, crossings, c, method, progress) for one, c in each]
+    return np.hstack(found)
+
+
 def with_nodes_of(crossing: Crossing, effects: Sequence[Effect]) -> Crossing:
     """Return a crossing whose cells end where any of some effects has a kink."""
     named = {f"effect_{i}": effect for i, effect in enumerate(effects)}
@@ -172,54 +189,35 @@ def sampled(
             stretches = propagate(run, speeds[batch], nodes)
             linear[batch] = ~lifts_off(run.crossing, stretches)
             states, forces = bridge_samples(run.crossing, speeds[batch], stretches[-1])
+            nodes = stretches[-1].cells.nodes
             for i in np.flatnonzero(linear[batch]):
-                own = stretches[-1].cells.nodes, states[i].T, forces[i].T
-                yield int(batch.start + i), Samples(*own, slowest=speeds[batch].min())
-    simulate = _flying if method == "propagator" else _reference
+                own = _samples(run, nodes, states[i].T, forces[i].T)
+                yield int(batch.start + i), own._replace(slowest=speeds[batch].min())
+    simulate = _flying if run.plain and method == "propagator" else _reference
     flying = np.flatnonzero(~linear)
     for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
         yield int(i), simulate(run, float(speeds[i]))
 
 
-def bridge_samples(
-    crossing: Crossing, speeds: FloatArray, bridge: Stretch
-) -> tuple[FloatArray, FloatArray]:
-    """States and tire forces at the samples of the bridge, (S, m, n) and (S, m, n_tires)."""
-    vehicle, n, nodes = crossing.linear, crossing.n_vehicle, bridge.cells.nodes
-    widths, kind = np.unique(np.round(np.diff(nodes), 10), return_inverse=True)
-    durations, points = widths / speeds[:, np.newaxis], SAMPLES[1:]
-    stages = bridge.stages.reshape(*bridge.stages.shape[:2], 2, N_STAGES, vehicle.n_tires)
-    forces, surface = stages[:, :, 0], stages[:, :, 1]
-    inner = np.empty((*stages.shape[:2], len(points), crossing.n_states))
-
-    on_tires = vehicle.state_matrix_on_tires()
-    free, held = (
-        response[:, kind]
-        for response in hold_responses(on_tires, vehicle.road_input, durations, GAUSS, points)
-    )
-    before = bridge.states[:, :-1]
-    inner[..., :n] = np.einsum("scpij,scj->scpi", free, before[..., :n])
-    inner[..., :n] += np.einsum("scpiqk,scqk->scpi", held, surface)
-
-    free, held = (
-        of[:, kind] for of in mode_responses(crossing.beam, durations, FORCE_POINTS, points)
-    )
-    loads = modal_forces(crossing, nodes[:-1], np.diff(nodes), forces)
-    states = before[..., n:].reshape(*before.shape[:2], -1, 2)
-    of_modes = np.einsum("scjpab,scjb->scpja", free, states)
-    of_modes += np.einsum("scjpaf,scjf->scpja", held, loads)
-    inner[..., n:] = of_modes.reshape(*inner.shape[:3], -1)
-
-    at_nodes = node_forces(crossing, bridge)
-    between = np.einsum("pq,scqk->scpk", FROM_STAGES, forces)
-    return _interleaved(bridge.states, inner), _interleaved(at_nodes, between)
-
-
-def _interleaved(at_nodes: FloatArray, inner: FloatArray) -> FloatArray:
-    """Values at nodes (S, C + 1, k) with those at the samples between (S, C, p, k)."""
-    cells = np.concatenate([at_nodes[:, :-1, np.newaxis], inner], axis=2)
-    flat = cells.reshape(len(cells), -1, cells.shape[-1])
-    return np.concatenate([flat, at_nodes[:, -1:]], axis=1)
+def _samples(
+    run: Run, nodes: FloatArray, states: FloatArray, forces: FloatArray, flight: float | None = None
+) -> Samples:
+    """Samples of cells between nodes, told of where they are and how they are passed."""
+    if run.plain:
+        return Samples(nodes, states, forces, flight)
+    places = sample_positions(nodes, run.motion)
+    a: FloatArray = np.zeros(1)
+    if run.motion is not None:
+        middles = (nodes[:-1] + nodes[1:]) / 2
+        a = np.repeat(run.motion.accelerations(middles), len(SAMPLES))
+        a = np.append(a, a[-1])
+    if run.jumps:
+        cells, ends = places[:-1].reshape(-1, len(SAMPLES)), slice(len(SAMPLES), None, len(SAMPLES))
+        places = connected(cells, places[ends])
+        if run.motion is not None:
+            a = connected(a[:-1].reshape(cells.shape), a[:-1][:: len(SAMPLES)])
+        nodes = np.repeat(nodes, 2)[1:-1]
+    return Samples(nodes, states, forces, flight, places=places, accelerations=a)
 
 
 def _flying(run: Run, speed: float) -> Samples:
@@ -232,10 +230,18 @@ def _flying(run: Run, speed: float) -> Samples:
 
 def _reference(run: Run, speed: float) -> Samples:
     """The same by the control library."""
-    nodes = run.nodes(speed)
-    positions = sample_positions(nodes)
-    states, forces = simulate_reference(run, Motion(speed), positions)
-    return _on_bridge(nodes, positions, states, forces, first_flight(positions, forces))
+    nodes, motion = run.nodes(speed), run.motion or Motion(speed)
+    positions = sample_positions(nodes, run.motion)
+    states, forces = simulate_reference(run, motion, positions)
+    place, first = first_flight(positions, forces), len(SAMPLES) * bridge_entry(nodes)
+    states, forces, nodes = states[:, first:], forces[:, first:], nodes[bridge_entry(nodes) :]
+    if run.jumps:
+        ends = contact_forces(run, motion, nodes, states[:, :: len(SAMPLES)], before=True)
+        states, forces = (
+            connected(of[:, :-1].reshape(len(of), -1, len(SAMPLES)), last[:, 1:])
+            for of, last in ((states, states[:, :: len(SAMPLES)]), (forces, ends))
+        )
+    return _samples(run, nodes, states, forces, place)
 
 
 def _on_bridge(

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._places import SAME_PLACE
 from bridgectl._plausible import judge_beam
 from bridgectl.model.bridge import bridge_states, input_matrix, state_matrix
 
@@ -166,6 +167,30 @@ class Beam:
         # The shapes vanish at both supports: clipping to the span is zero off the bridge.
         on_bridge = np.minimum(np.maximum(position, 0.0), self.length)
         return np.asarray(np.sin(self.wavenumbers * on_bridge))
+
+    def mode_slopes(self, x: ArrayLike) -> FloatArray:
+        """Slopes of the mode shapes, zero off the bridge.
+
+        Parameters
+        ----------
+        x : array_like
+            Positions [m], any shape.
+
+        Returns
+        -------
+        ndarray, shape (..., n_modes)
+            [1/m]
+
+        Raises
+        ------
+        ValueError
+            If positions are masked.
+        """
+        _checks.refuse_masked("x", x)
+        position = np.asarray(x, dtype=np.float64)[..., np.newaxis]
+        on_bridge = (position >= -SAME_PLACE) & (position <= self.length + SAME_PLACE)
+        slopes = self.wavenumbers * np.cos(self.wavenumbers * position)
+        return np.where(on_bridge, slopes, 0.0)
 
     def influence_line(
         self, x: ArrayLike, section: float = 0.5, quantity: str = "moment"

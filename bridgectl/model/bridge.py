@@ -12,7 +12,8 @@ asked of a bridge, whose shapes may have any scale and order: `Beam` is one.
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, Protocol, runtime_checkable
+from collections.abc import Callable
+from typing import Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -79,6 +80,17 @@ class TellsEffects(BridgeModel, Protocol):
     def modal_effects(self, section: float = 0.5, quantity: str = "moment") -> FloatArray:
         """Effect at a section per modal coordinate, shape (n_modes,)."""
         ...
+
+
+def slopes_of(bridge: BridgeModel) -> Callable[[ArrayLike], FloatArray]:
+    """The method of a bridge that tells the slopes of its shapes [1/m], as `mode_shapes`."""
+    found = getattr(bridge, "mode_slopes", None)
+    if found is None:
+        raise TypeError(
+            "tire_damping must be 0 on a bridge that does not tell the slopes of its mode shapes, "
+            f"got {type(bridge).__name__}: give it a method mode_slopes(x) like mode_shapes(x)"
+        )
+    return cast(Callable[[ArrayLike], FloatArray], found)
 
 
 def state_matrix(bridge: BridgeModel) -> FloatArray:

@@ -18,6 +18,7 @@ from bridgectl._checks import FloatArray
 from bridgectl.model.bridge import BridgeModel, TellsEffects
 from bridgectl.model.effect import NO_FACTOR, Effect, EffectRows
 from bridgectl.model.recovery import RECOVERIES, recover, recover_moment
+from bridgectl.model.traffic import paths_of
 from bridgectl.model.vehicle import Vehicle
 
 JUMP = 1e-6
@@ -32,6 +33,7 @@ class AtSection(Effect):
     """An effect at a place of the bridge; halfway if it is left open."""
 
     at: float | None = None
+    felt_by_lane: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -94,17 +96,18 @@ class AtSection(Effect):
         return bridge.kinks(self.section(bridge))
 
     def _static(self, bridge: BridgeModel, vehicle: Vehicle, tires: FloatArray) -> FloatArray:
-        return np.asarray(self._line(bridge, tires) @ vehicle.static_loads)
+        loads = paths_of(vehicle).lane_factors * vehicle.static_loads
+        return np.asarray(self._line(bridge, tires) @ loads)
 
     def _static_places(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
         """Places of the tires as the vehicle creeps across, shape (n, n_tires).
 
         Where a tire is at a kink of the influence line is the peak of one of straight pieces.
         """
-        offsets = vehicle.tire_offsets
-        at_kinks = np.add.outer(self._kinks(bridge), offsets).ravel()
-        x = np.concatenate([at_kinks, np.linspace(0.0, bridge.length + offsets.max(), FINE)])
-        return np.asarray(x[:, np.newaxis] - offsets)
+        paths, length = paths_of(vehicle), bridge.length
+        x = np.linspace(0.0, paths.exit(length), FINE)
+        at_kinks = paths.passing(self._kinks(bridge), length, 0.0, x[-1])
+        return paths.places(np.concatenate([at_kinks, x]), length)
 
 
 @dataclass(frozen=True, repr=False)

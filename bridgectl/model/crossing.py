@@ -12,15 +12,15 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
-from bridgectl._plausible import judge_crossing, judge_load
-from bridgectl.model.bridge import BridgeModel
+from bridgectl._plausible import judge_load
+from bridgectl.model.bridge import BridgeModel, slopes_of
 from bridgectl.model.bridge_effects import AtSection, Deflection, Moment
 from bridgectl.model.effect import SENSES, Effect, EffectRows
 from bridgectl.model.effects import STATIC, NamedEffects, as_effect, named_effects
 from bridgectl.model.equations import Equations
-from bridgectl.model.motion import Motion, as_motion
-from bridgectl.model.quarter_car import QuarterCar
-from bridgectl.model.vehicle import Vehicle, signals, vehicle_states
+from bridgectl.model.motion import Motion
+from bridgectl.model.quarter_car import QuarterCar, require_pair
+from bridgectl.model.vehicle import Vehicle, road_signals, signals, vehicle_states
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,9 @@ class Crossing(Equations):
     static: bool = False
 
     def __post_init__(self) -> None:
-        _require_pair(self.beam, self.vehicle)
+        require_pair(self.beam, self.vehicle)
+        if self.linear.tire_damping.any():
+            slopes_of(self.beam)
         object.__setattr__(self, "effect", as_effect(self.effect, self.beam, self.linear))
         effects = named_effects(self.effects, self._usual_labels, self.beam, self.linear)
         object.__setattr__(self, "effects", effects)
@@ -165,7 +167,13 @@ class Crossing(Equations):
         rows = self.effect.rows(self.beam, self.linear, self.tire_positions(x))
         return rows.scaled(1 / self.scale)
 
-    def values(self, x: FloatArray, states: FloatArray, forces: FloatArray) -> FloatArray:
+    def values(
+        self,
+        x: FloatArray,
+        states: FloatArray,
+        forces: FloatArray,
+        accelerations: FloatArray | float = 0.0,
+    ) -> FloatArray:
         """Effect at many positions of the reference tire, over `scale`.
 
         Parameters
@@ -174,13 +182,20 @@ class Crossing(Equations):
             Positions [m].
         states, forces : ndarray, shapes (..., m, n) and (..., m, n_tires)
             States (displacements [m] and rates [m/s]) and tire forces [N] there.
+        accelerations : ndarray, shape (m,), optional
+            Accelerations of the motion along the road [m/s^2] there.
 
         Returns
         -------
         ndarray, shape (..., m)
             Dimensionless; in the effect's unit if it has no static peak.
         """
-        return self.rows(x).values(states, forces)
+        return self.rows(x).values(states, forces) + self.per_acceleration * accelerations
+
+    @property
+    def per_acceleration(self) -> float:
+        """What acceleration along the road adds to the effect over `scale` [s^2/m]."""
+        return self.effect._per_acceleration(self.linear) / self.scale
 
     @cached_property
     def output_labels(self) -> list[str]:
@@ -203,7 +218,12 @@ class Crossing(Equations):
         ]
 
     def outputs(
-        self, x: FloatArray, states: FloatArray, forces: FloatArray, damper: FloatArray
+        self,
+        x: FloatArray,
+        states: FloatArray,
+        forces: FloatArray,
+        damper: FloatArray,
+        accelerations: FloatArray | float = 0.0,
     ) -> FloatArray:
         """Outputs at many places from states, tire forces and damper forces.
 
@@ -213,6 +233,8 @@ class Crossing(Equations):
             Positions of the reference tire [m].
         states, forces, damper : ndarray, shapes (n, m), (n_tires, m), (n_dampers, m)
             States (displacements [m] and rates [m/s]), tire forces [N] and damper forces [N].
+        accelerations : ndarray, shape (m,), optional
+            Accelerations of the motion along the road [m/s^2].
 
         Returns
         -------
@@ -232,6 +254,7 @@ class Crossing(Equations):
             vehicle.state_matrix @ states[:n]
             + vehicle.tire_input @ (forces - vehicle.static_loads[:, np.newaxis])
             + vehicle.damper_input @ damper
+            + vehicle.pitching[:, np.newaxis] * accelerations
         )
         return np.vstack(
             [
@@ -242,12 +265,17 @@ class Crossing(Equations):
                 vehicle.velocities @ rates,
                 vehicle.damper_map @ vehicle.displacements @ states[:n],
                 vehicle.damper_map @ vehicle.velocities @ states[:n],
-                *(effect.history(*read, states, forces, damper) for effect in further),
+                *(
+                    effect.history(*read, states, forces, damper, accelerations)
+                    for effect in further
+                ),
                 *static,
             ]
         )
 
-    def system(self, motion: Motion, name: str = "crossing") -> control.NonlinearIOSystem:
+    def system(
+        self, motion: Motion, name: str = "crossing", *, outputs: bool = True
+    ) -> control.NonlinearIOSystem:
         """Return the crossing as a control system: see `crossing_system`.
 
         Parameters
@@ -256,110 +284,40 @@ class Crossing(Equations):
             How the vehicle moves.
         name : str, optional
             Name of the system.
+        outputs : bool, optional
+            Whether it has outputs: else they are its states, which is quicker.
 
         Returns
         -------
         control.NonlinearIOSystem
         """
-        n_tires = self.linear.n_tires
+        lags, n_tires = self.linear.tire_lags, self.linear.n_tires
+        n_roads = len(road_signals(self.linear))
+
+        def taken(t: float, u: FloatArray) -> tuple[float, float, float, FloatArray]:
+            place = motion.position(t)
+            speed, a = float(motion.speeds(place)), float(motion.accelerations(place))
+            return place, speed, a, u[:n_tires] + lags * u[n_roads - n_tires : n_roads]
 
         def update(t: float, x: FloatArray, u: FloatArray, _: dict[str, Any]) -> FloatArray:
-            return self.dynamics(motion.position(t), x, u[:n_tires], u[n_tires:])
+            place, speed, a, road = taken(t, u)
+            return self.dynamics(place, x, road, u[n_roads:], speed, a)
 
         def output(t: float, x: FloatArray, u: FloatArray, _: dict[str, Any]) -> FloatArray:
-            place = motion.position(t)
-            force = self.contact_forces(x, u[:n_tires], self.tire_shapes(place))
-            columns = x[:, np.newaxis], force[:, np.newaxis], u[n_tires:, np.newaxis]
-            return self.outputs(np.array([place]), *columns)[:, 0]
+            place, speed, a, road = taken(t, u)
+            shapes, rates = self.tire_shapes(place), self.shape_rates(place, speed)
+            force = self.contact_forces(x, road, shapes, rates)
+            columns = x[:, np.newaxis], force[:, np.newaxis], u[n_roads:, np.newaxis]
+            return self.outputs(np.array([place]), *columns, a)[:, 0]
 
         return control.nlsys(
             update,
-            output,
+            output if outputs else None,
             inputs=self.input_labels,
-            outputs=self.output_labels,
+            outputs=self.output_labels if outputs else self.state_labels,
             states=self.state_labels,
             name=name,
         )
-
-
-def crossing_system(
-    beam: BridgeModel,
-    vehicle: Vehicle | QuarterCar,
-    speed: float | Motion,
-    *,
-    section: float = 0.5,
-    recovery: str = "exact",
-    effect: Effect | str = "moment",
-    effects: NamedEffects = (),
-    static: bool = False,
-    name: str = "crossing",
-) -> control.NonlinearIOSystem:
-    """Return the crossing of a vehicle as a control system.
-
-    Time is zero when the reference tire is at the start of the bridge. The system
-    works in `control.interconnect`, in `control.linearize(sys, 0, t=...)` (frozen-time poles
-    and Bode plots) and in `control.input_output_response`. Give the last one tolerances,
-    ``solve_ivp_kwargs=dict(rtol=1e-9, atol=1e-12)``: at its defaults the DAF at 110 km/h
-    comes out as 1.136 instead of 1.130, which is more than a unit ramp changes.
-
-    Parameters
-    ----------
-    beam, vehicle
-        See `Crossing`.
-    speed : float or Motion
-        Speed c [m/s], or a motion that is not uniform.
-    section, recovery, effect
-        Where 'moment' and 'deflection' are read, and how: see `bridgectl.daf`.
-    effects : mapping of str to effect, optional
-        Further outputs by name, each in its effect's unit, as ``{"pier": Moment(25.0)}``.
-    static : bool, optional
-        Whether there are outputs 'static_moment', 'static_deflection' and 'static_' with each name
-        of `effects` too: what the weight of the vehicle alone would give at its place.
-    name : str, optional
-        Name of the system.
-
-    Returns
-    -------
-    control.NonlinearIOSystem
-        Inputs: 'road' [m], the road r under the tire, positive *downward* (minus the
-        elevation), and 'damper_force' [N], which acts as -F on the body and +F on the axle
-        on top of the passive damping. Outputs: 'moment' (over the peak static moment),
-        'deflection' [m] at the section, 'tire_force' [N], the vehicle's states
-        ('y_s', 'y_s_dot', 'y_t', 'y_t_dot' for a quarter-car), accelerations ('y_s_ddot',
-        'y_t_ddot'), 'suspension_travel' [m] and 'suspension_velocity' [m/s] of each
-        controlled damper, then `effects` and static ones. Several tires or dampers are numbered:
-        'road_1', 'road_2', ... The static loads are inside: the zero state is the vehicle in
-        equilibrium before an unloaded bridge.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If a parameter has the wrong kind or range; the message names it.
-
-    Warns
-    -----
-    PlausibilityWarning
-        As `Crossing`.
-
-    References
-    ----------
-    Y. Li, E. OBrien, A. Gonzalez, J. Sound Vib. 293 (2006) 125-137, Eqs. (1)-(8).
-
-    Examples
-    --------
-    >>> import control as ct
-    >>> import bridgectl as bc
-    >>> sys = bc.crossing_system(bc.li2006.beam(), bc.li2006.car(), speed=110 / 3.6)
-    >>> sys.input_labels
-    ['road', 'damper_force']
-    >>> mid_span = ct.linearize(sys, 0, t=12.5 / (110 / 3.6))
-    >>> sorted({round(float(abs(pole)) / 6.2832, 2) for pole in mid_span.poles()})
-    [0.46, 4.08, 6.91, 16.37, 36.83]
-    """
-    motion = as_motion(speed)
-    crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
-    judge_crossing(crossing, motion.speed)
-    return crossing.system(motion, name)
 
 
 def make_crossing(
@@ -372,7 +330,7 @@ def make_crossing(
     static: bool = False,
 ) -> Crossing:
     """Return the crossing of an effect, or of its name with a section and a recovery."""
-    _require_pair(beam, vehicle)
+    require_pair(beam, vehicle)
     asked = as_effect(effect, beam, vehicle.linear, section, recovery)
     return Crossing(beam, vehicle, asked, effects, static)
 
@@ -387,18 +345,4 @@ def require_factor(crossing: Crossing, *, unless_none: bool = False) -> None:
             f"effect must have a static peak for a factor, and the {effect.sense} static "
             f"{effect.label} of {effect!r} is 0 {effect.unit}: type {instead}peak_effect(...) for "
             "its peak"
-        )
-
-
-def _require_pair(beam: object, vehicle: object) -> None:
-    if not isinstance(beam, BridgeModel):
-        raise TypeError(
-            f"beam must be a bridgectl.Beam, got {type(beam).__name__}: type for example "
-            "bridgectl.Beam(25, 18358, 4.865e10), and the vehicle after it"
-        )
-    if not isinstance(vehicle, Vehicle | QuarterCar):
-        raise TypeError(
-            "vehicle must be a bridgectl.Vehicle or QuarterCar, "
-            f"got {type(vehicle).__name__}: type for example "
-            "bridgectl.QuarterCar(9000, 1000, 80e3, 1.8e6, 7e3), after the beam"
         )

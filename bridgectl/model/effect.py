@@ -13,6 +13,7 @@ from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.traffic import paths_of
 from bridgectl.model.vehicle import Vehicle
 
 NO_FACTOR = 1e-9
@@ -50,6 +51,8 @@ class Effect(ABC):
     negligible: ClassVar[float] = 3e-5
     """Cells need not follow modes that yield less than this share of what a tire does: they hardly
     act back on it, nor does a peak show it by more than 1e-6."""
+    felt_by_lane: ClassVar[bool] = False
+    """Whether it has the share of tire forces that their lanes have."""
     unit: ClassVar[str]
     label: ClassVar[str]
 
@@ -94,7 +97,10 @@ class Effect(ABC):
         -------
         EffectRows
         """
-        return self._rows(bridge, vehicle, tires)
+        rows, factors = self._rows(bridge, vehicle, tires), paths_of(vehicle).lane_factors
+        if not self.felt_by_lane or np.all(factors == 1):
+            return rows
+        return rows._replace(per_force=rows.per_force * factors)
 
     def history(
         self,
@@ -104,6 +110,7 @@ class Effect(ABC):
         states: FloatArray,
         forces: FloatArray,
         damper: FloatArray | float = 0.0,
+        accelerations: FloatArray | float = 0.0,
     ) -> FloatArray:
         """Return the effect at m places of the vehicle.
 
@@ -115,13 +122,16 @@ class Effect(ABC):
             Positions of the tires [m].
         states, forces, damper : ndarray, shapes (n, m), (n_tires, m), (n_dampers, m)
             States [m, m/s], tire forces [N] and forces of controlled dampers [N].
+        accelerations : ndarray, shape (m,), optional
+            Accelerations of the motion along the road [m/s^2].
 
         Returns
         -------
         ndarray, shape (m,)
             In the effect's unit [N m, m, N, ...].
         """
-        values = self._rows(bridge, vehicle, tires).values(states.T, forces.T)
+        values = self.rows(bridge, vehicle, tires).values(states.T, forces.T)
+        values = values + self._per_acceleration(vehicle) * accelerations
         return values + np.dot(self._per_damper(vehicle), damper) if np.any(damper) else values
 
     def kinks(self, bridge: BridgeModel) -> FloatArray:
@@ -166,7 +176,7 @@ class Effect(ABC):
         """
         linear, places = vehicle.linear, np.asarray(x, dtype=np.float64)
         effect = self._on(bridge, linear)
-        return effect._static(bridge, linear, places[..., np.newaxis] - linear.tire_offsets)
+        return effect._static(bridge, linear, paths_of(linear).places(places, bridge.length))
 
     def static_peak(self, bridge: BridgeModel, vehicle: Vehicle) -> float:
         """Largest or smallest value as the vehicle creeps across; 0 where there is none.
@@ -204,6 +214,10 @@ class Effect(ABC):
     def _static_places(self, bridge: BridgeModel, vehicle: Vehicle) -> FloatArray:
         """Places of the tires, (n, n_tires), among which the static peak is."""
         return -vehicle.tire_offsets[np.newaxis]
+
+    def _per_acceleration(self, vehicle: Vehicle) -> float:
+        """What the vehicle's acceleration along the road adds [effect's unit per m/s^2]."""
+        return 0.0
 
     def _per_damper(self, vehicle: Vehicle) -> FloatArray:
         """Gain on the forces of controlled dampers, shape (n_dampers,)."""

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline, make_interp_spline
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
@@ -24,9 +23,11 @@ from bridgectl.model.told import (
     checked_name,
     checked_places,
     checked_shapes,
+    interpolation,
     judge_coupling,
     judge_masses,
     positive,
+    require_slopes,
     told,
 )
 
@@ -98,7 +99,7 @@ class ModalBridge:
         self._x = checked_places(x)
         self._frequencies = positive("frequencies", frequencies, (None,), "Hz")
         self._shapes = checked_shapes(mode_shapes, self._x.size, self._frequencies.size)
-        self._interpolate = _interpolation(self._x, self._shapes)
+        self._interpolate = interpolation(self._x, self._shapes)
         damping = checked_damping(damping_ratio, self.n_modes)
         self._damping = np.broadcast_to(np.array(damping, dtype=np.float64), (self.n_modes,))
         self._masses = self._checked_masses(modal_masses, mass_per_length)
@@ -223,6 +224,28 @@ class ModalBridge:
         """
         position, on_bridge = self._positions(x)
         return np.where(on_bridge[..., np.newaxis], self._interpolate(position), 0.0)
+
+    def mode_slopes(self, x: ArrayLike) -> FloatArray:
+        """Slopes of the mode shapes, zero off the bridge.
+
+        Parameters
+        ----------
+        x : array_like
+            Positions [m], any shape.
+
+        Returns
+        -------
+        ndarray, shape (..., n_modes)
+            Per metre [1/m], as given.
+
+        Raises
+        ------
+        ValueError
+            If positions are masked, or there are but three places of shapes.
+        """
+        require_slopes(self._x)
+        position, on_bridge = self._positions(x)
+        return np.where(on_bridge[..., np.newaxis], self._interpolate(position, 1), 0.0)
 
     def influence_line(
         self, x: ArrayLike, section: float = 0.5, quantity: str = "moment"
@@ -372,10 +395,3 @@ class ModalBridge:
         weights = (half * weight).ravel() * np.interp(x, self._x, mass)
         shapes = self._interpolate(x)
         return np.asarray(shapes.T @ (shapes * weights[:, np.newaxis]))
-
-
-def _interpolation(x: FloatArray, shapes: FloatArray) -> Callable[[FloatArray], FloatArray]:
-    return cast(
-        Callable[[FloatArray], FloatArray],
-        CubicSpline(x, shapes) if x.size >= 4 else make_interp_spline(x, shapes, k=1),
-    )

@@ -1,17 +1,16 @@
-"""The quarter-car, and several vehicles in a row."""
+"""The quarter-car, and what a vehicle must be."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import control
 import numpy as np
-from scipy.linalg import block_diag
 
 from bridgectl import _checks
 from bridgectl._plausible import judge_quarter_car
+from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.vehicle import Vehicle
 
 
@@ -28,14 +27,12 @@ class QuarterCar:
     damping : float
         Passive damping coefficient C of the suspension [N s/m].
     tire_damping : float, optional
-        Only 0, see `Vehicle`.
+        Damping of the tire [N s/m].
 
     Raises
     ------
     TypeError, ValueError
         If a parameter is not a number or out of range; the message names it.
-    NotImplementedError
-        If `tire_damping` is not 0.
 
     Warns
     -----
@@ -71,15 +68,19 @@ class QuarterCar:
             object.__setattr__(self, name, value)
         damping = _checks.not_negative("damping", self.damping, unit="N s/m")
         object.__setattr__(self, "damping", damping)
+        in_tire = _checks.not_negative("tire_damping", self.tire_damping, unit="N s/m")
+        object.__setattr__(self, "tire_damping", in_tire)
         _ = self.linear  # so that its checks speak here, not at the first crossing
         judge_quarter_car(self)
 
     def __repr__(self) -> str:
+        in_tire = f", tire_damping={self.tire_damping:g} N s/m" if self.tire_damping else ""
         return (
             f"QuarterCar(sprung_mass={self.sprung_mass:g} kg, "
             f"unsprung_mass={self.unsprung_mass:g} kg, "
             f"suspension_stiffness={self.suspension_stiffness:g} N/m, "
-            f"tire_stiffness={self.tire_stiffness:g} N/m, damping={self.damping:g} N s/m)"
+            f"tire_stiffness={self.tire_stiffness:g} N/m, damping={self.damping:g} N s/m"
+            f"{in_tire})"
         )
 
     @cached_property
@@ -111,69 +112,29 @@ def require_quarter_car(
             f"{name} must be a QuarterCar, got {type(vehicle).__name__}: {why}, type for example "
             "bridgectl.li2006.car()"
         )
+    require_springs(vehicle, "closed loops, scores, closed forms and animations")
     return vehicle
 
 
-def convoy(vehicles: Sequence[Vehicle | QuarterCar], offsets: Sequence[float]) -> Vehicle:
-    """Return several vehicles on one lane as one `Vehicle`.
-
-    Parameters
-    ----------
-    vehicles : sequence of Vehicle or QuarterCar
-        The vehicles; nothing but the bridge couples them.
-    offsets : sequence of float
-        Distance of each vehicle's reference tire behind that of the first [m].
-
-    Returns
-    -------
-    Vehicle
-        Its coordinates are those of the vehicles with suffixes '_1', '_2', ...
-
-    Raises
-    ------
-    TypeError, ValueError
-        If there is no vehicle, or not one offset for each, of 0 m or more.
-
-    Examples
-    --------
-    >>> import bridgectl as bc
-    >>> bc.convoy([bc.li2006.car(), bc.li2006.car()], [0, 5])
-    Vehicle(4 coordinates, mass=20000 kg, tires at [0, 5] m behind the first, 2 dampers)
-    """
-    if not isinstance(vehicles, Sequence) or not all(
-        isinstance(vehicle, Vehicle | QuarterCar) for vehicle in vehicles
-    ):
-        raise TypeError("vehicles must be a list of Vehicle or QuarterCar: type [front, rear]")
-    members = [vehicle.linear for vehicle in vehicles]
-    if not members:
-        raise ValueError("vehicles must hold at least one vehicle")
-    behind = _checks.array("offsets", offsets, (len(members),), unit="m")
-    if behind.min() < 0:
+def require_springs(vehicle: Vehicle | QuarterCar, what: str) -> None:
+    """Refuse tires with damping where they are springs alone."""
+    if vehicle.linear.tire_damping.any():
         raise ValueError(
-            f"offsets must be distances behind the first vehicle, 0 m or more, got {offsets}: "
-            f"type {(behind - behind.min()).tolist()}, or the vehicles in the order they drive in"
+            f"tire_damping must be 0 in {what}, where tires are springs alone, got "
+            f"{vehicle.linear.tire_damping} N s/m: leave it out"
         )
-    places = [car.body_places + offset for car, offset in zip(members, behind, strict=True)]
-    ends = block_diag(*(car.body_map.reshape(-1, car.n_coordinates) for car in members))
-    return Vehicle(
-        mass_matrix=block_diag(*(car.mass_matrix for car in members)),
-        damping_matrix=block_diag(*(car.damping_matrix for car in members)),
-        stiffness_matrix=block_diag(*(car.stiffness_matrix for car in members)),
-        tire_stiffnesses=np.concatenate([car.tire_stiffnesses for car in members]),
-        tire_offsets=np.concatenate(
-            [car.tire_offsets + offset for car, offset in zip(members, behind, strict=True)]
-        ),
-        tire_map=block_diag(*(car.tire_map for car in members)),
-        damper_map=block_diag(*(car.damper_map for car in members)),
-        heave=np.concatenate([car.heave for car in members]),
-        body_places=np.concatenate(places),
-        body_map=ends.reshape(-1, 2, ends.shape[1]),
-        coordinates=[
-            f"{name}_{i}" for i, car in enumerate(members, start=1) for name in car.coordinates
-        ],
-        damper_axles=block_diag(*(car.damper_axles for car in members)),
-        damper_dampings=np.concatenate([car.damper_dampings for car in members]),
-        damper_names=[
-            f"{name}_{i}" for i, car in enumerate(members, start=1) for name in car.damper_names
-        ],
-    )
+
+
+def require_pair(beam: object, vehicle: object) -> None:
+    """Refuse what is no bridge and vehicle."""
+    if not isinstance(beam, BridgeModel):
+        raise TypeError(
+            f"beam must be a bridgectl.Beam, got {type(beam).__name__}: type for example "
+            "bridgectl.Beam(25, 18358, 4.865e10), and the vehicle after it"
+        )
+    if not isinstance(vehicle, Vehicle | QuarterCar):
+        raise TypeError(
+            "vehicle must be a bridgectl.Vehicle or QuarterCar, "
+            f"got {type(vehicle).__name__}: type for example "
+            "bridgectl.QuarterCar(9000, 1000, 80e3, 1.8e6, 7e3), after the beam"
+        )

@@ -11,11 +11,12 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE
-from bridgectl.model.elements import Modes, Pieces, derivative, squares
+from bridgectl.model.elements import Modes, Pieces, chebyshev_values, derivative, squares
 
 ORDERS = {"deflection": 0, "moment": 2, "shear": 3}
 """Derivative of the deflection that each effect at a section is, E J times its negative."""
@@ -30,6 +31,18 @@ def located(
     piece = np.searchsorted(edges[1:-1], x, side="right")
     t = 2 * (x - edges[piece]) / pieces.lengths[piece] - 1
     return on_bridge, piece, np.minimum(np.maximum(t, -1.0), 1.0)
+
+
+def along(pieces: Pieces, x: ArrayLike, of_pieces: tuple[FloatArray, ...]) -> FloatArray:
+    """Values at places [m], zero off the bridge, of Chebyshev series in t for each piece."""
+    _checks.refuse_masked("x", x)
+    position = np.asarray(x, dtype=np.float64)
+    on_bridge, piece, t = located(pieces, position.ravel())
+    result = np.zeros((position.size, of_pieces[0].shape[1]))
+    for i in range(piece.min(initial=len(of_pieces)), piece.max(initial=-1) + 1):
+        here = np.flatnonzero(on_bridge & (piece == i))
+        result[here] = chebyshev_values(t[here], of_pieces[i])
+    return result.reshape(*position.shape, result.shape[1])
 
 
 def line_at_section(pieces: Pieces, x: FloatArray, at: float, quantity: str) -> FloatArray:

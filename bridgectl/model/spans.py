@@ -16,11 +16,11 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
 from bridgectl._plausible import judge_beam
 from bridgectl.model.beam import checked_damping
-from bridgectl.model.elements import Modes, Pieces, chebyshev_values
+from bridgectl.model.elements import Modes, Pieces, derivative, to_chebyshev
 from bridgectl.model.sections import (
+    along,
     line_at_section,
     line_of_reaction,
-    located,
     modes_at_section,
     modes_of_reaction,
 )
@@ -260,14 +260,33 @@ class Bridge:
         ValueError
             If positions are masked.
         """
-        _checks.refuse_masked("x", x)
-        position = np.asarray(x, dtype=np.float64)
-        on_bridge, piece, t = located(self._pieces, position.ravel())
-        result = np.zeros((position.size, self.n_modes))
-        for i in range(piece.min(initial=len(self._pieces.lengths)), piece.max(initial=-1) + 1):
-            here = np.flatnonzero(on_bridge & (piece == i))
-            result[here] = chebyshev_values(t[here], self._modes.chebyshev[i])
-        return result.reshape(*position.shape, self.n_modes)
+        return along(self._pieces, x, self._modes.chebyshev)
+
+    def mode_slopes(self, x: ArrayLike) -> FloatArray:
+        """Slopes of the mode shapes, zero off the bridge.
+
+        Parameters
+        ----------
+        x : array_like
+            Positions [m], any shape.
+
+        Returns
+        -------
+        ndarray, shape (..., n_modes)
+            [1/m]
+
+        Raises
+        ------
+        ValueError
+            If positions are masked.
+        """
+        return along(self._pieces, x, self._slopes)
+
+    @cached_property
+    def _slopes(self) -> tuple[FloatArray, ...]:
+        """Chebyshev series of the slopes in each piece."""
+        each = zip(self._modes.shapes, self._pieces.lengths, strict=True)
+        return tuple(to_chebyshev(derivative(series, length, 1)) for series, length in each)
 
     def influence_line(
         self, x: ArrayLike, section: float = 0.5, quantity: str = "moment"

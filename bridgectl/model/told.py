@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline, make_interp_spline
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
@@ -132,4 +134,23 @@ def judge_masses(masses: FloatArray, own: FloatArray) -> None:
             f"modal_masses[{j}] is {masses[j]:g} kg, its shape and mass_per_length have "
             f"{own[j]:.4g} kg: is the shape scaled otherwise? Leave modal_masses out to take those",
             PlausibilityWarning,
+        )
+
+
+FEWEST = 4
+"""Places from which on shapes are splines; of fewer they are straight lines."""
+
+
+def interpolation(x: FloatArray, shapes: FloatArray) -> Callable[..., FloatArray]:
+    """Shapes between places [m], and their derivatives of an order that is given after them."""
+    spline = CubicSpline(x, shapes) if x.size >= FEWEST else make_interp_spline(x, shapes, k=1)
+    return cast(Callable[..., FloatArray], spline)
+
+
+def require_slopes(x: FloatArray) -> None:
+    """Refuse places [m] between which shapes are straight lines, where slopes are asked for."""
+    if x.size < FEWEST:
+        raise ValueError(
+            f"x must hold {FEWEST} places or more for the slopes of mode shapes, which tire "
+            f"damping feels, got {x.size}: give more places, or type tire_damping=0"
         )

@@ -14,6 +14,13 @@ from scipy.linalg import eigvalsh
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_vehicle
+from bridgectl.model.vehicle_checks import (
+    check_matrices,
+    check_tires,
+    damping_of_tires,
+    lower_ends,
+    unique_names,
+)
 
 GRAVITY = 9.81
 """Acceleration due to gravity g [m/s^2]: the value behind the paper's W = 98.1 kN."""
@@ -27,12 +34,14 @@ class Vehicle:
     Coordinates y are displacements from static equilibrium on a level road, positive
     downward::
 
-        M y'' + C y' + K y = -T' (R - W) - D' F_d
-        R_k = W_k + K_tk (T_k y - v(x_k) - r(x_k))      (Eq. (2) of the paper, per tire)
+        M y'' + C y' + K y = -T' (R - W) - D' F_d + P a
+        R_k = W_k + K_tk e_k + C_tk e_k',     e_k = T_k y - v(x_k, t) - r(x_k)      (Eq. (2))
 
-    with tire k at x_k = c t - d_k. `K` and `C` hold the suspension only: the tires enter
-    through R. F_d are the forces of controlled dampers, on top of `C`, positive in the
-    sense of a damper that opposes the relative velocity D y'.
+    with tire k at x_k, of the reference tire less d_k, and R_k >= 0. `K` and `C` hold the
+    suspension only: the tires enter through R. Under a tire that moves at c, deflection and road
+    change at the rate v_t + c (v_x + r_x): the convective term of tire damping. F_d are the forces
+    of controlled dampers, on top of `C`, positive in the sense of a damper that opposes D y'; a is
+    the acceleration along the road (see `bridgectl.Motion`).
 
     Parameters
     ----------
@@ -41,8 +50,7 @@ class Vehicle:
     tire_stiffnesses : array_like, shape (n_tires,)
         K_t of each tire [N/m].
     tire_offsets : array_like, shape (n_tires,), optional
-        Distance d_k of each tire behind the reference tire [m], 0 for that one and 0 or
-        more for the others. Default: zeros.
+        Distance d_k of each tire behind the reference tire [m], 0 or more. Default: zeros.
     tire_map : array_like, shape (n_tires, n), optional
         T, dimensionless for translations: the displacement of each tire's hub from the
         coordinates. Default: the last n_tires coordinates are the hubs.
@@ -65,16 +73,16 @@ class Vehicle:
         0 for a rotation. Gravity acts along it.
     coordinates : sequence of str, optional
         Names of the coordinates. Default: 'y_1', 'y_2', ...
-    tire_damping : float, optional
-        Damping of the tires [N s/m]. Only 0: a tire damper would bring the convective term
-        c v'(x) of the deflection under a moving tire, which is not modelled.
+    tire_damping : float or array_like, shape (n_tires,), optional
+        Damping C_t of the tires [N s/m], one for all or one each. Default: none.
+    pitch_input : array_like, shape (n,), optional
+        P, force on each coordinate per acceleration along the road [kg, kg m of a rotation]: of a
+        body of mass m, h above the road, m h on a pitch that lifts the front. Default: zeros.
 
     Raises
     ------
     TypeError, ValueError
         If a parameter has the wrong kind, shape or range; the message names it.
-    NotImplementedError
-        If `tire_damping` is not 0.
 
     Warns
     -----
@@ -113,6 +121,8 @@ class Vehicle:
     damper_axles: FloatArray
     damper_dampings: FloatArray
     damper_names: tuple[str, ...]
+    tire_damping: FloatArray
+    pitch_input: FloatArray
 
     def __init__(
         self,
@@ -125,12 +135,13 @@ class Vehicle:
         damper_map: ArrayLike | None = None,
         heave: ArrayLike | None = None,
         coordinates: Sequence[str] | None = None,
-        tire_damping: float = 0.0,
+        tire_damping: ArrayLike = 0.0,
         damper_axles: ArrayLike | None = None,
         damper_dampings: ArrayLike | None = None,
         body_places: ArrayLike | None = None,
         body_map: ArrayLike | None = None,
         damper_names: Sequence[str] | None = None,
+        pitch_input: ArrayLike | None = None,
     ) -> None:
         mass = _checks.array("mass_matrix", mass_matrix, (None, None), unit="kg")
         tires = _checks.array("tire_stiffnesses", tire_stiffnesses, (None,), unit="N/m")
@@ -158,16 +169,22 @@ class Vehicle:
             "tire_map": hubs,
             "damper_map": dampers,
             "heave": given("heave", heave, np.ones(n), (n,)),
-            "coordinates": _names("coordinates", "y_", coordinates, n),
-            "damper_axles": given("damper_axles", damper_axles, _axles(dampers, hubs), (count, n)),
+            "coordinates": unique_names("coordinates", "y_", coordinates, n),
+            "damper_axles": given(
+                "damper_axles", damper_axles, lower_ends(dampers, hubs), (count, n)
+            ),
             "damper_dampings": given("damper_dampings", damper_dampings, np.zeros(count), (count,)),
-            "damper_names": _names("damper_names", "", damper_names, count),
+            "damper_names": unique_names("damper_names", "", damper_names, count),
+            "tire_damping": damping_of_tires(tire_damping, n_tires),
+            "pitch_input": given("pitch_input", pitch_input, np.zeros(n), (n,)),
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
-        _no_tire_damping(tire_damping)
-        self._check_matrices()
-        self._check_tires()
+        check_tires(self.tire_stiffnesses, self.tire_offsets)
+        if np.any(self.damper_dampings < 0):
+            raise ValueError(f"damper_dampings must be 0 N s/m or more, got {self.damper_dampings}")
+        check_matrices(self.mass_matrix, self.damping_matrix, self.stiffness_matrix)
+        self._check_support()
         judge_vehicle(self)
 
     def __repr__(self) -> str:
@@ -178,7 +195,7 @@ class Vehicle:
         )
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Vehicle):
+        if not isinstance(other, Vehicle) or type(other) is not type(self):
             return NotImplemented
         return all(
             np.array_equal(getattr(self, field.name), getattr(other, field.name))
@@ -188,30 +205,7 @@ class Vehicle:
     def __hash__(self) -> int:
         return hash((self.mass_matrix.tobytes(), self.stiffness_matrix.tobytes()))
 
-    def _check_matrices(self) -> None:
-        for name in ("mass_matrix", "damping_matrix", "stiffness_matrix"):
-            matrix = getattr(self, name)
-            if not np.allclose(matrix, matrix.T, rtol=1e-9, atol=1e-9 * np.abs(matrix).max()):
-                raise ValueError(f"{name} must be symmetric")
-            # Round-off of a semi-definite matrix scales with its largest entry.
-            if np.linalg.eigvalsh(matrix).min() < -1e-9 * np.abs(matrix).max():
-                raise ValueError(f"{name} must not have negative eigenvalues")
-        if np.linalg.eigvalsh(self.mass_matrix).min() <= 0:
-            raise ValueError("mass_matrix must be positive definite: every mass above 0 kg")
-
-        if np.any(self.damper_dampings < 0):
-            raise ValueError(f"damper_dampings must be 0 N s/m or more, got {self.damper_dampings}")
-
-    def _check_tires(self) -> None:
-        if self.tire_stiffnesses.size == 0 or np.any(self.tire_stiffnesses <= 0):
-            raise ValueError(
-                f"tire_stiffnesses must all be above 0 N/m, got {self.tire_stiffnesses}"
-            )
-        if np.min(self.tire_offsets) != 0:
-            raise ValueError(
-                "tire_offsets must be distances behind the reference tire, 0 m for that one and "
-                f"0 or more for the others, got {self.tire_offsets}"
-            )
+    def _check_support(self) -> None:
         if np.linalg.matrix_rank(self._supported_stiffness) < self.n_coordinates:
             raise ValueError(
                 "stiffness_matrix and tire_map leave a coordinate without support: no static "
@@ -289,6 +283,21 @@ class Vehicle:
         """Input matrix of the damper forces [N], shape (2 n, n_dampers)."""
         return np.asarray(-self.velocities.T @ np.linalg.solve(self.mass_matrix, self.damper_map.T))
 
+    @cached_property
+    def pitching(self) -> FloatArray:
+        """Input vector of the acceleration along the road [m/s^2], shape (2 n,)."""
+        return np.asarray(self.velocities.T @ np.linalg.solve(self.mass_matrix, self.pitch_input))
+
+    @cached_property
+    def flexibility(self) -> FloatArray:
+        """States at rest on the tires per force on each coordinate [m/N], shape (2 n, n)."""
+        return np.asarray(self.displacements.T @ np.linalg.inv(self._supported_stiffness))
+
+    @cached_property
+    def pitched(self) -> FloatArray:
+        """States at rest per acceleration along the road [m per m/s^2], shape (2 n,)."""
+        return np.asarray(self.flexibility @ self.pitch_input)
+
     @property
     def undamped(self) -> Vehicle:
         """The vehicle without its passive dampers, `damper_dampings`: controlled ones stay."""
@@ -298,6 +307,17 @@ class Vehicle:
     def hubs(self) -> FloatArray:
         """Selects the hub displacement [m] of each tire from the states, shape (n_tires, 2 n)."""
         return np.asarray(self.tire_map @ self.displacements)
+
+    @cached_property
+    def tire_lags(self) -> FloatArray:
+        """Damping over stiffness of each tire [s]: R - W = K_t (e + lag e'), shape (n_tires,)."""
+        return self.tire_damping / self.tire_stiffnesses
+
+    @cached_property
+    def leading_hubs(self) -> FloatArray:
+        """Hub displacements with what damping adds, T y + lag T y' [m], from the states."""
+        rates = self.tire_map @ self.velocities
+        return np.asarray(self.hubs + self.tire_lags[:, np.newaxis] * rates)
 
     def state_matrix_on_tires(self, contact: NDArray[np.bool_] | None = None) -> FloatArray:
         """State matrix of the vehicle on those of its tires that touch a rigid road.
@@ -313,12 +333,12 @@ class Vehicle:
             Of the states (y_1 [m], y_1' [m/s], y_2, ...).
         """
         touching = 1.0 if contact is None else contact
-        spring = (touching * self.tire_stiffnesses)[:, np.newaxis] * self.hubs
+        spring = (touching * self.tire_stiffnesses)[:, np.newaxis] * self.leading_hubs
         return np.asarray(self.state_matrix + self.tire_input @ spring)
 
     @cached_property
     def road_input(self) -> FloatArray:
-        """Input matrix of the surface under each tire, v + r [m], shape (2 n, n_tires)."""
+        """Input matrix of the surface u = v + r under each tire, with damping u + lag u' [m]."""
         return np.asarray(-self.tire_input * self.tire_stiffnesses)
 
     def system(self) -> control.StateSpace:
@@ -327,10 +347,10 @@ class Vehicle:
         Returns
         -------
         control.StateSpace
-            Inputs: 'road' [m] for one tire, 'road_1', ... for several, positive downward
-            (a drop; minus the elevation); 'damper_force' [N] likewise, for each controlled
-            damper. Outputs: 'tire_force' [N], the force R - W beyond the static load, and
-            the coordinates [m]. States: each coordinate and its rate ('y_s', 'y_s_dot').
+            Inputs: 'road' [m] for one tire, 'road_1', ... for several, positive downward (minus
+            the elevation); with tire damping 'road_rate' [m/s], its rate; 'damper_force' [N] for
+            each controlled damper. Outputs: 'tire_force' [N], the force R - W beyond the static
+            load, and the coordinates [m]. States: each coordinate and its rate ('y_s_dot').
 
         Examples
         --------
@@ -341,17 +361,21 @@ class Vehicle:
         >>> [round(float(f), 3) for f in sorted(set(abs(sys.poles()) / 6.283185))]
         [0.465, 6.892]
         """
-        n_dampers = len(self.damper_map)
-        outputs = np.vstack([self.tire_stiffnesses[:, np.newaxis] * self.hubs, self.displacements])
-        feedthrough = np.zeros((len(outputs), self.n_tires + n_dampers))
-        feedthrough[: self.n_tires, : self.n_tires] = -np.diag(self.tire_stiffnesses)
+        springs = np.diag(self.tire_stiffnesses)
+        outputs = np.vstack([springs @ self.leading_hubs, self.displacements])
+        roads = np.vstack([-springs, np.zeros((self.n_coordinates, self.n_tires))])
+        inputs, through = self.road_input, roads
+        if self.tire_damping.any():
+            inputs = np.hstack([inputs, inputs * self.tire_lags])
+            through = np.hstack([roads, roads * self.tire_lags])
+        dampers = self.damper_input
         return control.ss(
             self.state_matrix_on_tires(),
-            np.hstack([self.road_input, self.damper_input]),
+            np.hstack([inputs, dampers]),
             outputs,
-            feedthrough,
+            np.hstack([through, np.zeros((len(outputs), dampers.shape[1]))]),
             states=vehicle_states(self),
-            inputs=signals("road", self.n_tires) + signals("damper_force", n_dampers),
+            inputs=[*road_signals(self), *signals("damper_force", dampers.shape[1])],
             outputs=signals("tire_force", self.n_tires) + list(self.coordinates),
             name="vehicle",
         )
@@ -377,23 +401,7 @@ def signals(name: str, count: int) -> list[str]:
     return [name] if count == 1 else [f"{name}_{i}" for i in range(1, count + 1)]
 
 
-def _names(what: str, prefix: str, names: Sequence[str] | None, n: int) -> tuple[str, ...]:
-    result = tuple(f"{prefix}{i}" for i in range(1, n + 1)) if names is None else tuple(names)
-    if len(result) != n or len(set(result)) != n or not all(isinstance(s, str) for s in result):
-        raise ValueError(f"{what} must be {n} different names, got {names!r}")
-    return result
-
-
-def _axles(dampers: FloatArray, hubs: FloatArray) -> FloatArray:
-    """Hubs of the tires under the dampers: each damper's travel is that of a body less a hub's."""
-    if len(dampers) == len(hubs):
-        return hubs
-    return np.asarray(hubs[np.argmin(dampers @ hubs.T, axis=1)])
-
-
-def _no_tire_damping(value: float) -> None:
-    if _checks.not_negative("tire_damping", value, unit="N s/m") > 0:
-        raise NotImplementedError(
-            "tire_damping must be 0: a tire damper brings the convective term c v'(x) of the "
-            "deflection under a moving tire, which is not modelled"
-        )
+def road_signals(vehicle: Vehicle) -> list[str]:
+    """Names of the inputs of the road: under each tire, and with tire damping its rates."""
+    kinds = ("road", "road_rate") if vehicle.tire_damping.any() else ("road",)
+    return [name for kind in kinds for name in signals(kind, vehicle.n_tires)]

@@ -109,5 +109,9 @@ class BodyAcceleration(Effect):
         per_state = np.append(own, np.zeros(2 * bridge.n_modes))
         return EffectRows(np.zeros_like(tires) + per_force, per_state, constant)
 
+    def _per_acceleration(self, vehicle: Vehicle) -> float:
+        """What the vehicle's acceleration along the road adds to it [dimensionless]."""
+        return float(vehicle.velocities[self.coordinate - 1] @ vehicle.pitching)
+
     def _per_damper(self, vehicle: Vehicle) -> FloatArray:
         return np.asarray(vehicle.velocities[self.coordinate - 1] @ vehicle.damper_input)

@@ -39,6 +39,16 @@ def drops_of(elevations: FloatArray) -> FloatArray:
     return np.ascontiguousarray((elevations[:, :1] - elevations).T)
 
 
+def falls_of(road: Elevations, x: FloatArray) -> FloatArray:
+    """Return dr/dx just after stations, 0 before and after the road: see `Elevations.drop`."""
+    piece = np.searchsorted(road.x, x + SAME_PLACE, side="right") - 1
+    on_road = (piece >= 0) & (piece < road.x.size - 1)
+    piece = np.minimum(np.maximum(piece, 0), road.x.size - 2)
+    ends = road.x[np.array([piece, piece + 1])]
+    falls = np.diff(road.drop(ends, road.x[0]), axis=0)[0] / np.diff(ends, axis=0)[0]
+    return np.where(on_road, falls, 0.0)
+
+
 class Elevations(Stations):
     """What a `bridgectl.RoadProfile` tells of its elevations."""
 
@@ -104,7 +114,7 @@ class Elevations(Stations):
             self._inside("x", stations[~on_road][0])
         return self._interpolated(stations)
 
-    def drop(self, x: ArrayLike, start: float) -> FloatArray:
+    def drop(self, x: ArrayLike, start: float, *, level: bool = True) -> FloatArray:
         """Return r(x), the drop of the road below its elevation at `start`, positive *downward*.
 
         This is the one place where the sign changes from the elevation z (positive up) of road
@@ -112,8 +122,8 @@ class Elevations(Stations):
 
             r(x) = z(start) - z(x),   start <= x <= end of the profile
 
-        Before `start` the road is level (r = 0), so a vehicle at rest stays at rest until there;
-        past the end of the profile it continues level at its last elevation.
+        Before `start` the road is level (r = 0), so a vehicle at rest stays at rest until there,
+        or with ``level=False`` as it is; past both ends of the profile it continues level.
 
         Parameters
         ----------
@@ -121,6 +131,8 @@ class Elevations(Stations):
             Stations [m].
         start : float
             Station where the road stops being level [m]; inside the profile.
+        level : bool, optional
+            Whether the road before `start` counts as level.
 
         Returns
         -------
@@ -137,7 +149,9 @@ class Elevations(Stations):
         array([0.    , 0.    , 0.0005, 0.001 , 0.001 ])
         """
         first = self._inside("start", start)
-        ahead = np.maximum(np.asarray(x, dtype=np.float64), first)
+        ahead = np.asarray(x, dtype=np.float64)
+        if level:
+            ahead = np.maximum(ahead, first)
         return np.asarray(self._interpolated(first) - self._interpolated(ahead))
 
     def ramps(

@@ -10,13 +10,14 @@ import numpy as np
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
-from bridgectl._places import count_pieces, even_places
+from bridgectl._places import count_pieces, even_places, whole_pieces
 from bridgectl._progress import track
 from bridgectl._warn import warn
 from bridgectl.linear.cells import Cells, bridge_entry, sample_positions
 from bridgectl.linear.lift_off import LiftOffWarning
+from bridgectl.linear.reference import reference_effect
 from bridgectl.linear.response import linear_dafs
-from bridgectl.linear.runs import Run, prepare, reference_effect
+from bridgectl.linear.runs import Run, prepare
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.motion import Motion
 from bridgectl.road import RoadProfile
@@ -26,7 +27,7 @@ from bridgectl.surface.histories import DenseHistories, Histories, factor_histor
 from bridgectl.surface.peaks import HistoryPeaks
 from bridgectl.surface.ramps import ends_of_ramps, one_ramp
 from bridgectl.surface.surface import RampSurface
-from bridgectl.surface.tire_contact import TireContact
+from bridgectl.surface.tire_contact import TireContact, is_plain
 
 RAMP_LENGTH, RAMP_HEIGHT = 0.1, 1e-3
 """The unit ramp of the paper [m]: a drop of 1 mm over 100 mm."""
@@ -86,9 +87,12 @@ class RampGrid:
 
 def ramp_grid(
     bridge: float, approach: float, ramp_length: float, ramp_height: float | str,
-    both_ways: bool, every: int,
+    both_ways: bool, every: int, beyond: float | None = None,
 ) -> RampGrid:  # fmt: skip
-    """Check where ramps are to lie before and on a bridge so long [m]: see `ramp_surface`."""
+    """Check where ramps are to lie before and on a bridge so long [m]: see `ramp_surface`.
+
+    Vehicles from the other end start so far `beyond` it, and as long an approach before.
+    """
     length = _checks.positive("ramp_length", ramp_length, unit="m")
     before = _checks.not_negative("approach", approach, unit="m")
     _checks.flag("both_ways", both_ways)
@@ -99,6 +103,14 @@ def ramp_grid(
             f"{length:g} mm type {length / 1000:g}"
         )
     n_ramps = count_pieces(before + bridge, length)
+    if beyond is not None:
+        on_bridge, way = n_ramps, bridge + 2 * before + beyond
+        n_ramps = whole_pieces(way, length)
+        if n_ramps < on_bridge:
+            raise ValueError(
+                f"ramp_length must fit into the way of {way:g} m to the start of vehicles from the "
+                f"other end, got {length:g} m: type {way / on_bridge:.6g}"
+            )
     height = unit_height(ramp_height, length, n_ramps)
     return RampGrid(before, length, height, n_ramps, both_ways, step)
 
@@ -125,8 +137,9 @@ def linear_surface(
     ramps = crossing.orientation * np.array([[each for _, each in row] for row in peaks])
     ramps = ramps[..., :: grid.every]
     vehicle = crossing.linear
-    if vehicle.n_tires == 1:  # of several tires, lift-off is looked for in roads alone
-        force = LIFTING * vehicle.tire_stiffnesses[0] * grid.height
+    if is_plain(vehicle):  # of several tires, lift-off is looked for in roads alone
+        rate = vehicle.tire_lags[0] * float(speeds.max()) / grid.length
+        force = LIFTING * vehicle.tire_stiffnesses[0] * (1 + rate) * grid.height
         if force > vehicle.static_loads[0]:
             _fly(run, speeds, grid, ramps, progress)
     return grid.surface(crossing, speeds, smooth, ramps, histories)

@@ -82,7 +82,9 @@ class FactoredHistories:
         tops = np.maximum.reduceat(smooth, starts)
         tops[:-1] = np.maximum(tops[:-1], smooth[starts[1:]])
         tops[-1] = max(tops[-1], smooth[-1])
-        for block in np.nonzero(tops + room[: len(starts)] >= best)[0].tolist():
+        near = np.nonzero(tops + room[: len(starts)] >= best)[0]
+        # From the highest on: fewer ramps have their peaks in the others.
+        for block in near[np.argsort(-tops[near], kind="stable")].tolist():
             samples = smooth[block * per_block : (block + 1) * per_block + 1]
             high = np.nonzero(samples + room[block] >= best)[0]
             if high.size:

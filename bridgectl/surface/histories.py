@@ -8,7 +8,7 @@ vehicles are no different.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,9 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, even_places
 from bridgectl.linear.cells import SAMPLES, Cells, bridge_entry, build_cells
 from bridgectl.linear.peaks import find_peaks
-from bridgectl.linear.runs import Run, speed_batches
+from bridgectl.linear.runs import BESIDE, Run, speed_batches
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.surface.factored import FactoredHistories, joined
 
 BATCH_BYTES = 16e6
@@ -133,25 +135,30 @@ def factor_histories(
     beyond = np.arange(1, n_blocks * per_block - n_cells + 1) * (nodes[-1] - nodes[-2])
     nodes = np.append(nodes, nodes[-1] + beyond)
     at_work = _ramps_of_cells(run, nodes, ramp_length, n_ramps)
+    at_work = at_work.reshape(n_blocks, per_block, -1)
+    share = np.diff(nodes)[:, np.newaxis] / ramp_length * run.crossing.paths.signs
+    share = share.reshape(at_work.shape)
+    if run.jumps:
+        at_work, share = _with_next(at_work), _with_next(share)
     local, place = _local_ramps(at_work.reshape(n_blocks, -1), n_ramps)
-    share = np.diff(nodes) / ramp_length
-    rises = _block_rises(place.reshape(n_blocks, per_block, -1), share, local.shape[1] + 1)
+    rises = _block_rises(place.reshape(at_work.shape), share, local.shape[1] + 1)
 
     parts = []
     for batch in speed_batches(run, speeds, BATCH_BYTES):
         cells = build_cells(run.crossing, speeds[batch], nodes, on_bridge=True)
         arrived = _entry_states(run, speeds[batch], ramp_length, n_ramps)
-        parts.append(_factor_blocks(run, cells, rises, arrived))
+        parts.append(_factor_blocks(run, speeds[batch], cells, rises, arrived))
         if kept is not None and batch.stop * cells.size / len(cells.free) < KEPT_BYTES:
             kept[batch.start] = cells
     smooth, entries, carried, added, rows, direct = (
         np.concatenate(arrays) for arrays in zip(*parts, strict=True)
     )
-    n_samples = len(SAMPLES) * n_cells + 1
+    nodes = nodes[: n_cells + 1]
+    if run.jumps:  # there are cells in between: see `runs.connected`
+        nodes = np.repeat(nodes, 2)[1:-1]
+    n_samples = len(SAMPLES) * (len(nodes) - 1) + 1
     smooth = np.array([joined(blocks)[:n_samples] for blocks in smooth])
-    return FactoredHistories(
-        nodes[: n_cells + 1], smooth, entries, local, carried, added, rows, direct
-    )
+    return FactoredHistories(nodes, smooth, entries, local, carried, added, rows, direct)
 
 
 def _ramps_of_cells(
@@ -185,11 +192,10 @@ def _local_ramps(
 def _block_rises(place: NDArray[np.intp], share: FloatArray, n_places: int) -> FloatArray:
     """Rise under each tire in each cell per height of the block's ramps.
 
-    `place` has shape (B, K, tires), the result (B, K, tires, n_places - 1).
+    `place` and `share` have shape (B, K, tires), the result (B, K, tires, n_places - 1).
     """
     rises = np.zeros((*place.shape, n_places))
-    share = np.broadcast_to(share.reshape(*place.shape[:2], 1, 1), (*place.shape, 1))
-    np.put_along_axis(rises, place[..., np.newaxis], share, axis=-1)
+    np.put_along_axis(rises, place[..., np.newaxis], share[..., np.newaxis], axis=-1)
     return rises[..., :-1]
 
 
@@ -206,26 +212,51 @@ def _entry_states(run: Run, speeds: FloatArray, ramp_length: float, n_ramps: int
     past = (crossing.tire_positions(0.0)[:, np.newaxis] - starts) / ramp_length
     # Ends of ramps under a tire at the entry are passed, but for round-off.
     past = np.where(np.abs(past - np.round(past)) * ramp_length < SAME_PLACE, np.round(past), past)
-    states[:, crossing.n_states :] = np.clip(past, 0.0, 1.0)
+    states[:, crossing.n_states :] = under_tires(crossing, past)
     duration = ramp_length / speeds
-    for tire, ramps in enumerate(past):
-        # Vehicle, road under the tire and its rate of climb: a ramp is a unit of the last.
-        chain = np.zeros((n + 2, n + 2))
-        chain[:n, :n] = vehicle.state_matrix_on_tires()
-        chain[:n, n] = vehicle.road_input[:, tire]
-        on_ramp = chain.copy()
-        on_ramp[n, n + 1] = 1.0
-        climbed = np.nonzero(ramps >= 1)[0]
-        if climbed.size:
-            left = _expm(on_ramp, duration)[..., n + 1 :] / duration[:, np.newaxis, np.newaxis]
-            last = _expm(chain, duration * (ramps[climbed[-1]] - 1)) @ left
-            after = _repeated(last, _expm(chain, duration), climbed.size)
-            states[:, :n, : climbed.size] += after[:, :n]
-        for ramp in np.nonzero((ramps > 0) & (ramps < 1))[0]:
-            states[:, :n, ramp] += (
-                _expm(on_ramp, duration * ramps[ramp])[:, :n, n + 1] / duration[:, np.newaxis]
-            )
+    for tire, (ramps, sign) in enumerate(zip(past, crossing.paths.signs, strict=True)):
+        # From the other end the last ramp is met first, and rises where others fall.
+        if sign < 0:
+            ramps = 1 - ramps[::-1]
+        left = _left_by_ramps(vehicle, tire, ramps, duration)
+        states[:, :n] += sign * left[..., :: int(sign)]
     return states
+
+
+def _left_by_ramps(
+    vehicle: Vehicle, tire: int, ramps: FloatArray, duration: FloatArray
+) -> FloatArray:
+    """States of the vehicle per height of ramps that a tire has met, (S, n, n_ramps).
+
+    It is past so much of each of the `ramps`, of which one takes it so long [s], (S,).
+    """
+    n = 2 * vehicle.n_coordinates
+    states = np.zeros((len(duration), n, len(ramps)))
+    # Vehicle, road under the tire and its rate of climb: a ramp is a unit of the last.
+    chain = np.zeros((n + 2, n + 2))
+    chain[:n, :n] = vehicle.state_matrix_on_tires()
+    chain[:n, n] = vehicle.road_input[:, tire]
+    on_ramp = chain.copy()
+    on_ramp[n, n + 1] = 1.0
+    on_ramp[:n, n + 1] = vehicle.road_input[:, tire] * vehicle.tire_lags[tire]
+    climbed = np.nonzero(ramps >= 1)[0]
+    if climbed.size:
+        left = _expm(on_ramp, duration)[..., n + 1 :] / duration[:, np.newaxis, np.newaxis]
+        last = _expm(chain, duration * (ramps[climbed[-1]] - 1)) @ left
+        states[..., : climbed.size] = _repeated(last, _expm(chain, duration), climbed.size)[:, :n]
+    for ramp in np.nonzero((ramps > 0) & (ramps < 1))[0]:
+        part = _expm(on_ramp, duration * ramps[ramp])[:, :n, n + 1]
+        states[..., ramp] = part / duration[:, np.newaxis]
+    return states
+
+
+def under_tires(crossing: Crossing, past: FloatArray) -> FloatArray:
+    """Road under tires per height of ramps of which they are past so much, (..., tires, ramps).
+
+    Tires from the other end have all ramps ahead of them, and count from beyond.
+    """
+    beyond = crossing.paths.signs[:, np.newaxis] < 0
+    return np.clip(past, 0.0, 1.0) - beyond
 
 
 def _expm(matrix: FloatArray, durations: FloatArray) -> FloatArray:
@@ -247,7 +278,7 @@ def _repeated(last: FloatArray, step: FloatArray, count: int) -> FloatArray:
 
 
 def _factor_blocks(
-    run: Run, cells: Cells, rises: FloatArray, entry: FloatArray
+    run: Run, speeds: FloatArray, cells: Cells, rises: FloatArray, entry: FloatArray
 ) -> tuple[FloatArray, ...]:
     """Run through all blocks at once, from unit states, unit ramps and the static loads.
 
@@ -256,37 +287,62 @@ def _factor_blocks(
     """
     n, n_speeds = cells.n_states, len(cells.free)
     n_blocks, per_block, n_tires, n_local = rises.shape
+    per_block -= run.jumps
     own, road, beyond = slice(n), slice(n, n + n_tires), slice(n, None)
     carried, ramps, loads = slice(n + n_tires), slice(n + n_tires, n + n_tires + n_local), -1
     road_rows = _block_road_rows(rises, n)
     n_columns = road_rows.shape[-1]
     states = np.zeros((n_speeds, n_blocks, n + road_rows.shape[-2], n_columns))
     states[:, :, own, own] = np.eye(n)
-    effects = np.empty((n_speeds, n_blocks, per_block * len(SAMPLES) + 1, n_columns))
-    at_nodes = _node_rows(run, cells)
+    per_cell = len(SAMPLES) * (1 + run.jumps)
+    effects = np.empty((n_speeds, n_blocks, per_block * per_cell + 1, n_columns))
+    at_nodes = _node_rows(run, speeds, cells)
+    at_ends = _node_rows(run, speeds, cells, before=True) if run.jumps else None
     through = cells.transitions()
     by_block = np.arange(n_blocks * per_block).reshape(n_blocks, per_block)
     for k in range(per_block):
         states[:, :, beyond] = road_rows[:, k]
-        cell, sample = by_block[:, k], len(SAMPLES) * k
+        cell, sample = by_block[:, k], per_cell * k
         after = through[:, cell] @ states  # rows: states, effect at the samples of the cell
-        effects[:, :, sample] = (at_nodes[cell, np.newaxis] @ states)[:, :, 0]
+        effects[:, :, sample] = (at_nodes[:, cell, np.newaxis] @ states)[:, :, 0]
         effects[:, :, sample + 1 : sample + len(SAMPLES)] = after[:, :, beyond]
         states[:, :, own] = after[:, :, own]
+        if at_ends is not None:
+            end = (at_ends[:, cell + 1, np.newaxis] @ states)[:, :, 0]
+            effects[:, :, sample + len(SAMPLES)] = end
 
     ends = np.zeros((n_speeds, n_blocks, n + n_tires, n_columns))
     ends[:, :, own] = states[:, :, own]
     ends[:, :, road, road] = np.eye(n_tires)
-    ends[:, :, road, ramps] = rises.sum(axis=1)
-    # The road that the last cell of a block ends on.
-    states[:, :, road] += road_rows[:, -1, n_tires + 1 :]
-    effects[:, :, -1] = (at_nodes[by_block[:, -1] + 1, np.newaxis] @ states)[:, :, 0]
+    ends[:, :, road, ramps] = rises[:, :per_block].sum(axis=1)
+    # The road that the last cell of a block ends on, or the cell after it.
+    if at_ends is None:
+        states[:, :, road] += road_rows[:, -1, n_tires + 1 :]
+    else:
+        states[:, :, beyond] = road_rows[:, -1]
+    effects[:, :, -1] = (at_nodes[:, by_block[:, -1] + 1, np.newaxis] @ states)[:, :, 0]
+    if at_ends is not None:
+        _connect(effects)
     smooth, now = [], np.zeros((n_speeds, n + n_tires))
     for rows, end in zip(effects.swapaxes(0, 1), ends.swapaxes(0, 1), strict=True):
         smooth.append(rows[..., loads] + np.einsum("sti,si->st", rows[..., carried], now))
         now = np.einsum("sij,sj->si", end[..., carried], now) + end[..., loads]
     maps = [part[..., columns] for part in (ends, effects) for columns in (carried, ramps)]
     return np.stack(smooth, axis=1), entry, *maps
+
+
+def _connect(effects: FloatArray) -> None:
+    """Fill cells between those of blocks (..., samples, columns) with straight lines, in place."""
+    ends, after = effects[:, :, len(SAMPLES) : -1 : 2 * len(SAMPLES)], 2 * len(SAMPLES)
+    steps = effects[:, :, after::after] - ends
+    for i in range(1, len(SAMPLES)):
+        effects[:, :, len(SAMPLES) + i : -1 : after] = ends + steps * (i / len(SAMPLES))
+
+
+def _with_next(cells: NDArray[Any]) -> NDArray[Any]:
+    """Cells of blocks (B, K, ...), each with the first of the next block after them."""
+    after = np.concatenate([cells[1:, :1], cells[-1:, -1:]])
+    return np.concatenate([cells, after], axis=1)
 
 
 def _block_road_rows(rises: FloatArray, n_states: int) -> FloatArray:
@@ -303,18 +359,30 @@ def _block_road_rows(rises: FloatArray, n_states: int) -> FloatArray:
     return rows
 
 
-def _node_rows(run: Run, cells: Cells) -> FloatArray:
-    """The crossing's effect at each node from the states and the road rows, (C + 1, ...)."""
+def _node_rows(run: Run, speeds: FloatArray, cells: Cells, *, before: bool = False) -> FloatArray:
+    """The crossing's effect at each node from the states and the road rows, (1 or S, C + 1, ...).
+
+    Just after the node, from the road rows of the cell after it; or just before, from those of the
+    cell before it. With tire damping speeds [m/s] count.
+    """
     crossing, vehicle, n = run.crossing, run.crossing.linear, cells.n_states
-    gain, per_state, constant = crossing.rows(cells.nodes)
+    x, damped = cells.nodes, bool(vehicle.tire_damping.any())
+    if damped:
+        x = x + (-BESIDE if before else BESIDE)
+    gain, per_state, constant = crossing.rows(x)
     spring = gain * vehicle.tire_stiffnesses
-    deflections = np.einsum("ck,ckj->cj", spring, crossing.tire_shapes(cells.nodes))
-    of_vehicle, of_modes = slice(crossing.n_vehicle), slice(crossing.n_vehicle, n, 2)
+    of_speeds = speeds[:, np.newaxis] if damped else speeds[:1, np.newaxis]
+    read = crossing.deflection_rows(np.broadcast_to(x, (len(of_speeds), len(x))), of_speeds)
     at_start, of_loads = slice(n, n + vehicle.n_tires), n + vehicle.n_tires
-    rows = np.zeros((len(cells.nodes), n + 2 * vehicle.n_tires + 1))
-    rows[:, :n] = per_state
-    rows[:, of_vehicle] += spring @ vehicle.hubs
-    rows[:, of_modes] -= deflections
-    rows[:, at_start] = -spring
-    rows[:, of_loads] = gain @ vehicle.static_loads + constant
+    rows = np.zeros((len(of_speeds), len(x), n + 2 * vehicle.n_tires + 1))
+    rows[..., :n] = per_state
+    rows[..., : crossing.n_vehicle] += spring @ vehicle.leading_hubs
+    rows[..., crossing.n_vehicle : n] -= np.einsum("ck,sckj->scj", spring, read)
+    rows[..., at_start] = -spring
+    rows[..., of_loads] = gain @ vehicle.static_loads + constant
+    if damped:
+        widths = np.diff(x)
+        own = np.append(widths[:1], widths) if before else np.append(widths, widths[-1:])
+        rates = (of_speeds / own)[..., np.newaxis] * vehicle.tire_lags
+        rows[..., of_loads + 1 :] = -spring * (rates + before)
     return rows

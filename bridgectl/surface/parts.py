@@ -27,7 +27,7 @@ UNITS = {
     "vehicle.tire_offsets": "m", "vehicle.tire_map": "1", "vehicle.damper_map": "1",
     "vehicle.body_places": "m", "vehicle.body_map": "1",
     "vehicle.damper_axles": "1", "vehicle.damper_dampings": "N s/m",
-    "vehicle.heave": "1",
+    "vehicle.heave": "1", "vehicle.pitch_input": "kg",
     "histories.nodes": "m", "histories.smooth": "1", "histories.unit": "1/m",
     "histories.entry": "state/m", "histories.local": "1", "histories.carried": "state/state",
     "histories.added": "state/m", "histories.rows": "1/state", "histories.direct": "1/m",

@@ -15,7 +15,7 @@ from bridgectl.linear.fine import fine_maps, pieces_of
 from bridgectl.linear.peaks import WAVES, find_peaks, highest
 from bridgectl.linear.runs import Run, prepare, propagate
 from bridgectl.surface.factored import FactoredHistories
-from bridgectl.surface.histories import Histories, superposed
+from bridgectl.surface.histories import Histories, superposed, under_tires
 from bridgectl.surface.ramps import UnitRamps
 
 
@@ -156,4 +156,4 @@ class _Between:
         run, length = self.peaks.run, self.peaks.ramp_length
         starts = run.start + length * np.arange(self.peaks.n_ramps)
         passed = (run.crossing.tire_positions(nodes)[..., np.newaxis] - starts) / length
-        return np.asarray(np.clip(passed, 0.0, 1.0) @ self.drops)
+        return np.asarray(under_tires(run.crossing, passed) @ self.drops)

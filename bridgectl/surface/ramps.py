@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
-from bridgectl.linear.runs import linear_contact, prepare
+from bridgectl._places import count_pieces
+from bridgectl.linear.runs import linear_contact, prepare, require_beyond
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.effect import Effect
@@ -20,7 +21,7 @@ from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
 from bridgectl.road.sampling import COARSE
-from bridgectl.surface.tire_contact import TireContact
+from bridgectl.surface.tire_contact import TireContact, is_plain
 
 Roads = RoadProfile | Sequence[RoadProfile] | ArrayLike
 """A road, several, or elevations at a surface's stations."""
@@ -57,6 +58,12 @@ class UnitRamps:
         """Ends of the ramps [m]: where roads given as arrays have their elevations."""
         return ends_of_ramps(self.positions, self.ramp_length)
 
+    @property
+    def _end(self) -> float:
+        """The end of the bridge [m], or of the ramps that vehicles come over from there."""
+        on_bridge = count_pieces(self.approach + self.beam.length, self.ramp_length)
+        return float(self.stations[-1]) if len(self.positions) > on_bridge else self.beam.length
+
     def ramps(self, roads: Roads) -> FloatArray:
         """Ramp scale factors s(i) of a road or of many, Eq. (14): positive for a drop.
 
@@ -85,8 +92,9 @@ class UnitRamps:
             `RoadProfile.measured_step`.
         """
         if isinstance(roads, RoadProfile):
-            prepare(self._crossing, roads, -self.approach, pieces=self.ramp_length)
-            ramps = roads.ramps(self.ramp_length, start=-self.approach, stop=self.beam.length)
+            run = prepare(self._crossing, roads, -self.approach, pieces=self.ramp_length)
+            require_beyond(run)
+            ramps = roads.ramps(self.ramp_length, start=-self.approach, stop=self._end)
             return np.asarray(ramps.heights / self.ramp_height)
         if isinstance(roads, Sequence) and any(isinstance(road, RoadProfile) for road in roads):
             return np.array([self.ramps(road) for road in roads])
@@ -156,7 +164,7 @@ class UnitRamps:
     @cached_property
     def _contact(self) -> TireContact | None:
         """Tire forces of the same ramps; None for several tires, whose roads are simulated."""
-        if self.vehicle.linear.n_tires > 1:
+        if not is_plain(self.vehicle.linear):
             return None
         run = prepare(self._crossing, self.road(np.zeros(len(self.positions))), -self.approach)
         return TireContact(run, self.speeds, self.ramp_length, len(self.positions))

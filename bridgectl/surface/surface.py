@@ -80,7 +80,7 @@ class RampSurface(UnitRamps):
             f"RampSurface({len(self.speeds)} speeds from {kmh.min():g} to {kmh.max():g} km/h, "
             f"{len(self.positions)} ramps of {self.ramp_height * 1e3:g} mm over "
             f"{self.ramp_length * 1e3:g} mm from x = {0.0 - self.approach:g} m to "
-            f"{self.beam.length:g} m, recovery={self.recovery!r}{rest})"
+            f"{self._end:g} m, recovery={self.recovery!r}{rest})"
         )
 
     @property

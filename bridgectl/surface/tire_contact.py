@@ -17,6 +17,8 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import count_pieces
 from bridgectl.linear.nodes import MAX_VEHICLE_PHASE
 from bridgectl.linear.runs import Run
+from bridgectl.model.traffic import Traffic
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.model.vehicle_effects import TireForce
 from bridgectl.surface.histories import factor_histories, superposed
 
@@ -29,6 +31,11 @@ static load falls by 0.4^2 / 8 = 0.02 of it.
 
 BLOCK = 64
 """Ramps of the approach treated at once."""
+
+
+def is_plain(vehicle: Vehicle) -> bool:
+    """Whether a vehicle has one tire alone, from the start of the bridge."""
+    return vehicle.n_tires == 1 and not isinstance(vehicle, Traffic)
 
 
 class TireContact:
@@ -90,11 +97,15 @@ class TireContact:
         chain[:n, :n] = vehicle.state_matrix_on_tires()
         chain[:n, n] = vehicle.road_input[:, 0]
         chain[n, n + 1] = 1 / duration
+        chain[:n, n + 1] = vehicle.road_input[:, 0] * vehicle.tire_lags[0] / duration
         fastest = np.abs(np.linalg.eigvals(chain)).max()
         n_samples = max(1, int(np.ceil(fastest * duration / MAX_VEHICLE_PHASE)))
-        parts = np.arange(1, n_samples + 1) / n_samples * duration
+        # With tire damping forces jump as a ramp begins.
+        first = 0 if vehicle.tire_lags[0] else 1
+        parts = np.arange(first, n_samples + 1) / n_samples * duration
         within = expm(chain * parts[:, np.newaxis, np.newaxis])[:, : n + 1]
-        read = vehicle.tire_stiffnesses / vehicle.static_loads * np.append(vehicle.hubs, -1.0)
+        scale = float(vehicle.tire_stiffnesses[0] / vehicle.static_loads[0])
+        read = scale * np.append(vehicle.leading_hubs, -1.0)
         step, ramp = within[-1, :, : n + 1], within[-1, :, n + 1]
         powers = [np.eye(n + 1)]
         for _ in range(BLOCK):
@@ -102,7 +113,7 @@ class TireContact:
         after = np.array(powers)
         from_state = (read @ within[:, :, : n + 1]) @ after[:-1]  # (BLOCK, n_samples, n + 1)
         late = from_state @ ramp  # at samples of the ramps that follow one
-        own = read @ within[:, :, n + 1].T
+        own = read @ within[:, :, n + 1].T - scale * vehicle.tire_lags[0] / duration
         response = np.vstack([own, late[:-1]])
         lag = np.subtract.outer(np.arange(BLOCK), np.arange(BLOCK))
         from_drops = np.where(lag[..., np.newaxis] >= 0, response[lag], 0.0).swapaxes(1, 2)

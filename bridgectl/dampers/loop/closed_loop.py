@@ -98,12 +98,16 @@ def run_loop(
     stations: FloatArray,
     elevations: FloatArray,
     record: tuple[str, ...] = (),
+    start: float | None = None,
 ) -> LoopResult:
-    """Do what `simulate_loop` was asked for; the crossing is without what they replace."""
+    """Do what `simulate_loop` was asked for; the crossing is without what they replace.
+
+    The reference tire may start further on than the roads [m].
+    """
     n_roads = len(elevations)
     require_loop(crossing, [dampers], speeds, stations, n_roads, n_recorded=len(record))
     order = np.argsort(speeds, kind="stable")
-    found = Loop(crossing, dampers, speeds[order], stations, elevations, record).run()
+    found = Loop(crossing, dampers, speeds[order], stations, elevations, record, start=start).run()
     return found.of_speeds(np.argsort(order))
 
 

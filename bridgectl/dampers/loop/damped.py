@@ -39,7 +39,8 @@ def damped_dafs(run: Run, dampers: Fitted, speeds: FloatArray) -> FloatArray:
 def simulate_run(run: Run, dampers: Fitted, speeds: FloatArray) -> LoopResult:
     """Simulate one road at some speeds [m/s]: see `simulate_loop`."""
     x = _stations(run, np.zeros(0))
-    return run_loop(dampers.bare(run.crossing), dampers, speeds, x, _elevations(run, x))
+    crossing = dampers.bare(run.crossing)
+    return run_loop(crossing, dampers, speeds, x, _elevations(run, x), start=run.start)
 
 
 @on_one_thread
@@ -56,10 +57,11 @@ def damped_response(
     x = _stations(run, asked)
     speeds = np.array([speed])
     require_loop(crossing, [dampers], speeds, x, 1)
-    loop = Loop(crossing, dampers, speeds, x, _elevations(run, x))
-    places: list[float] = [x[0]]
-    states: list[FloatArray] = [np.zeros(crossing.n_states)]
-    forces: list[FloatArray] = [loop.stepper.weights]
+    loop = Loop(crossing, dampers, speeds, x, _elevations(run, x), start=run.start)
+    first = loop.at_start()
+    places: list[float] = [run.start]
+    states: list[FloatArray] = [first.states[0, 1:, 0]]
+    forces: list[FloatArray] = [first.force[0, :, 0]]
     dampings: list[FloatArray] = [np.zeros(len(dampers.legs))]
 
     def keep(now: Ends, place: float) -> None:
@@ -178,13 +180,18 @@ def ramps_and_roads(
 
 def _stations(run: Run, asked: FloatArray) -> FloatArray:
     """Where a road is straight between, and what is asked for [m]."""
-    own = np.zeros(0) if run.profile is None else run.profile.x
-    inside = own[(own > run.start) & (own < run.end)]
-    return merge_places(np.concatenate([[run.start, run.end], inside, asked]))
+    own: FloatArray = np.zeros(0)
+    first = run.start
+    if run.profile is not None:
+        own = run.profile.x
+        rearmost = run.start - run.crossing.linear.tire_offsets.max()
+        first = min(first, max(rearmost, own[0]))
+    inside = own[(own > first) & (own < run.end)]
+    return merge_places(np.concatenate([[first, run.start, run.end], inside, asked]))
 
 
 def _elevations(run: Run, x: FloatArray) -> FloatArray:
-    """Elevations of the run's road from its start on [m], (1, n)."""
+    """Elevations of the run's road [m], (1, n)."""
     if run.profile is None:
         return np.zeros((1, len(x)))
-    return -run.profile.drop(x, run.start)[np.newaxis]
+    return -run.profile.drop(x, run.start, level=False)[np.newaxis]

@@ -47,6 +47,9 @@ class Loop:
     Until there a road is the same as the first, which must be level throughout if any `begins`
     lies beyond the first station; then `begins` must rise. Histories named by `record` are kept of
     the roads of the slice `recorded`.
+
+    The vehicle starts at rest on the road under each axle, which is level before its first station;
+    the reference tire at the first station, or further on at `start` [m].
     """
 
     def __init__(
@@ -59,12 +62,13 @@ class Loop:
         record: tuple[str, ...] = (),
         recorded: slice = slice(None),
         begins: FloatArray | None = None,
+        start: float | None = None,
     ) -> None:
         self.crossing, self.dampers, self.speeds = crossing, dampers, speeds
         self.legs, self.recorded = Legs(crossing.linear), recorded
         self.every_speed = np.tile(speeds[:, np.newaxis, np.newaxis], (1, len(dampers.legs), 1))
         stations, elevations = level_beyond(crossing, stations, elevations)
-        self.drops = drops_of(elevations)
+        self.drops, self.start = drops_of(elevations), stations[0] if start is None else start
         longest = longest_step(crossing, dampers.dampings, crossing.beam.n_modes)
         longest = min(longest, dampers.sample_time)
         responses = Responses(crossing, longest)
@@ -72,17 +76,22 @@ class Loop:
         lags = sorted({damper.lag for damper in dampers.dampers})
         within = [times_within(dampers.sample_time, longest, lag) for lag in lags]
         parts = within[0] if len(within) == 1 else np.unique(np.concatenate(within))
-        self.plan: Plan = make_plan(crossing, speeds, stations, dampers.sample_time, parts)
+        self.plan: Plan = make_plan(
+            crossing, speeds, stations, dampers.sample_time, parts, self.start
+        )
         self.others = [  # what each law measures of other legs
             others_of(damper.strategy.name, damper.strategy.signals, self.legs.names)
             for damper in dampers.dampers
         ]
         self.controllers: list[Controller] = []
         self.errors: list[Errors] = []
-        every = np.full(len(elevations), stations[0])
+        every = np.full(len(elevations), self.start)
+        ahead = stations >= self.start - SAME_PLACE
         own = False
         for leg, damper in enumerate(dampers.dampers):
-            gains = damper.strategy.gains_for(crossing, speeds, stations, elevations)
+            gains = damper.strategy.gains_for(
+                crossing, speeds, stations[ahead], elevations[:, ahead]
+            )
             law = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
             roads = stations, self.drops, crossing.beam.length
             errors = Errors(damper, self.plan, speeds, *roads, dampers.legs[leg])
@@ -104,7 +113,7 @@ class Loop:
 
         `observe` is told the state after each step, and how far the fastest has come [m].
         """
-        now, plan = self._start(), self.plan
+        now, plan = self.at_start(), self.plan
         known = 1  # roads whose first ramp has been reached: they follow the first until then
         for rounds, on_bridge in self._chunks():
             if on_bridge and rounds.start == plan.entry:
@@ -131,11 +140,19 @@ class Loop:
             now.switches.sum(axis=1), self._histories(),
         )  # fmt: skip
 
-    def _start(self) -> Ends:
+    def at_start(self) -> Ends:
+        """The vehicle at rest, before an unloaded bridge."""
         n_speeds, n_roads = shape = len(self.speeds), len(self.begins)
         states = np.zeros((n_speeds, 1 + self.crossing.n_states, n_roads))
         states[:, 0] = 1.0
-        weights = np.tile(self.stepper.weights[:, np.newaxis], (n_speeds, 1, n_roads))
+        vehicle, places = self.crossing.linear, self.crossing.tire_positions(self.start)
+        x = self.stepper.stations
+        road = np.stack([np.interp(places, x, each) for each in self.drops.T], axis=1)
+        stiffness = vehicle.tire_stiffnesses[:, np.newaxis]
+        at_rest = vehicle.flexibility @ vehicle.tire_map.T @ (stiffness * road)
+        states[:, 1 : 1 + len(at_rest)] = at_rest
+        pushed = stiffness * (vehicle.hubs @ at_rest - road)
+        weights = np.tile(self.stepper.weights[:, np.newaxis] + pushed, (n_speeds, 1, 1))
         of_dampers = n_speeds, len(self.controllers), n_roads
         memories = [controller.start(*shape) for controller in self.controllers]
         self.of_memory = np.cumsum([0, *(memory.shape[1] for memory in memories)])

@@ -138,8 +138,9 @@ def make_plan(
     stations: FloatArray,
     sample_time: float,
     parts: FloatArray,
+    start: float,
 ) -> Plan:
-    """Cut the way from the first to the last station into rounds and steps.
+    """Cut the way from the start to the last station into rounds and steps.
 
     Parameters
     ----------
@@ -153,8 +154,10 @@ def make_plan(
         Duration of a round [s].
     parts : ndarray
         Times within a round at which a step ends [s]: see `times_within`.
+    start : float
+        Where the reference tire starts [m].
     """
-    start, stop = stations[0], stations[-1]
+    stop = stations[-1]
     places = _places(crossing, stations)
     lengths = speeds * sample_time
     entries = np.floor(-start / lengths + SAME_PLACE).astype(np.intp)

@@ -292,6 +292,8 @@ def _assembled(bodies: Sequence[Body], hinge: Sequence[float]) -> Vehicle:
             damper_axles=feet,
             damper_dampings=dampings,
             damper_names=names,
+            tire_damping=[each for axle in frame.axles for each in axle.tire_dampings],
+            pitch_input=sum(b.mass * b.height * frame.pitch(i) for i, b in enumerate(bodies)),
             body_places=[[frame.behind(i, end) for end in ends] for i, ends in enumerate(drawn)],
             body_map=[[frame.at(i, end) for end in ends] for i, ends in enumerate(drawn)],
         )

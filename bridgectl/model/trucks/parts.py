@@ -125,7 +125,8 @@ class Body:
         Place of the centre of gravity [m], in the coordinate of the axles. Default: they count
         from it.
     height : float, optional
-        Height of the centre of gravity above the road [m], by which braking pitches the body.
+        Height of the centre of gravity above the road [m], by which braking pitches the body: at
+        its own axles, with no force along the road in a hinge. Default: it does not pitch.
 
     Raises
     ------
