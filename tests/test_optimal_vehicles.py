@@ -124,3 +124,17 @@ def test_five_axles_too(bridge, road):
     assert best.daf < min(other, best.passive_daf) - 0.02
     found = bc.daf(bridge, vehicle, SPEED, road, start=START, damper=best.damper)[0]
     assert found == pytest.approx(best.daf, abs=1e-5)
+
+
+def test_the_steps_start_at_rest_on_the_road_under_each_axle(bridge, half):
+    """On a road that is known behind the start: DAFs within 1e-3, at the steps of 2.5 ms."""
+    road = bc.iso8608_profile("B", 55, seed=3, start=2 * START)
+    run = prepare(bc.Crossing(bridge, half.undamped), road, START)
+    steps = join(run, SPEED, STEP, 2.5e-3, SOFT, STIFF)
+    assert abs(steps.initial).max() > 1e-4  # m
+    exact = bc.daf(bridge, half, SPEED, road, start=START, damper=passive(STIFF))[0]
+    assert march(steps, steps.shares(STIFF)).peak == pytest.approx(exact, abs=1e-3)
+    best = clairvoyant(bridge, half, SPEED, road, SOFT, STIFF, start=START, step=0.05)
+    found = bc.daf(bridge, half, SPEED, road, start=START, damper=best.damper)[0]
+    assert found == pytest.approx(best.daf, abs=1e-5)
+    assert best.daf < best.passive_daf - 0.02

@@ -39,7 +39,7 @@ from bridgectl.dampers.optimum.solver import NOT_SOLVED, Solver, Try
 from bridgectl.dampers.optimum.steps import Steps, join, march
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.lift_off import LiftOffWarning
-from bridgectl.linear.runs import prepare
+from bridgectl.linear.start import begin
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
@@ -187,12 +187,10 @@ def clairvoyant(
     require_dampers(vehicle)
     require_road(road)
     soft, stiff = damping_bounds(c_min, c_max)
-    crossing, c = (
-        make_crossing(beam, with_damping(vehicle, 0.0), effect, section, recovery),
-        Motion(speed).speed,
-    )
-    require_factor(crossing)
-    run, speeds = prepare(crossing, road, start), np.array([c])
+    passing, c = make_crossing(beam, vehicle, effect, section, recovery), Motion(speed).speed
+    require_factor(passing)
+    crossing = replace(passing, vehicle=with_damping(vehicle, 0.0))
+    run, speeds = begin(passing, road, start, c)._replace(crossing=crossing), np.array([c])
     judge_crossing(crossing, c, road)
     held = check.positive("step", step, unit="s")
     own = np.clip(vehicle.linear.damper_dampings, soft, stiff)

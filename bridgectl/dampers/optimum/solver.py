@@ -96,12 +96,15 @@ class Solver:
             over = self.sizes[:m, np.newaxis] if ends else np.ones((m, 1))
             columns = self.ends[-1] + d * k + np.arange(d)
             entries.append(_entries(block[:, n:-1] * self.impulse_size / over, rows, columns))
-            if k:  # the first step starts in equilibrium
+            constant = block[:, -1]
+            if k == 0:
+                constant = constant + block[:, :n] @ self.steps.initial
+            else:
                 columns = self.ends[k - 1] + np.arange(n)
                 entries.append(_entries(block[:, :n] * self.sizes[:n] / over, rows, columns))
             if ends:
                 entries.append(_entries(-np.eye(m), rows, self.ends[k] + np.arange(m)))
-            always.append(block[:, -1] / over[:, 0])
+            always.append(constant / over[:, 0])
             row += m
         values, i, j = (np.concatenate(part) for part in zip(*entries, strict=True))
         shape = row, int(self.ends[-1]) + self.n_impulses

@@ -57,6 +57,8 @@ class Steps:
     """1 / m of the module's docstring [kg], of each damper: body and axle in series."""
     c_min: float
     c_max: float
+    initial: FloatArray
+    """States at the start."""
 
     @property
     def first(self) -> NDArray[np.intp]:
@@ -144,7 +146,8 @@ def join(run: Run, speed: float, held: float, longest: float, c_min: float, c_ma
         at = _through(at, known, range(middle, first[k + 1]), seen)
         steps.append(Step(at[: sizes[k + 1]], v, np.array(seen).reshape(-1, at.shape[1])))
     masses = -1 / np.einsum("dn,nd->d", rates, of_force)
-    return Steps(steps, starts, interval, np.diff(ends) / speed, masses, c_min, c_max)
+    initial = known.initial[: sizes[0]]
+    return Steps(steps, starts, interval, np.diff(ends) / speed, masses, c_min, c_max, initial)
 
 
 def _through(at: FloatArray, known: Prediction, which: range, seen: list[FloatArray]) -> FloatArray:
@@ -178,7 +181,7 @@ def march(steps: Steps, shares: FloatArray | Callable[[int, float], float]) -> M
     n, held, known = len(steps.masses), steps.held, np.zeros(len(least), dtype=bool)
     peak, states = -np.inf, list[FloatArray]()
     rates, impulses = np.empty(len(held)), np.empty(len(held))
-    state: FloatArray = np.zeros(steps.each[0].rate.shape[1] - n - 1)
+    state = steps.initial
     for k, step in enumerate(steps.each):
         given = np.append(state, [*np.zeros(n), 1.0])
         for j in acting(k, n):
