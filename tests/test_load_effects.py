@@ -159,6 +159,7 @@ def test_superposed_histories_of_every_effect_are_simulated_ones(truck, two_span
     assert unit * surface.superposed_daf(road) == pytest.approx(simulated, rel=1e-6)
 
 
+@pytest.mark.filterwarnings("ignore:start = -10 m is not forgotten")
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_every_effect_of_a_random_bridge_is_that_of_the_control_library(seed):

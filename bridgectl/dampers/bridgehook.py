@@ -195,7 +195,7 @@ def bridgehook(
     feedback : bool, optional
         False for the costate of a smooth road, which takes the sign of the suspension velocity
         alone. It is simpler, and where the road decides when the peak comes it can be worse than
-        a passive damper.
+        a passive damper; at every axle of a truck with five it is, on roads of class B by 0.113.
     lag : float, optional
         Time [s] by which the damper is late, as its `Damper.lag`: position and velocities are
         taken that much later, as c t and by the accelerations, which then are measured too.
@@ -239,6 +239,23 @@ def bridgehook(
         0.3 m         -0.073 -0.109   -0.073 -0.110   -0.067 -0.103   -0.042 -0.055
         1 m           -0.037 -0.052   -0.037 -0.056   -0.044 -0.076   -0.038 -0.056
         3 m           +0.019 +0.038   +0.019 +0.035   +0.009 +0.005   -0.015 -0.042
+
+    At every axle of a truck each damper counts on bridgehook at the others. Trucks of the catalog
+    on springs for tires, c from 2 to 30 kN s/m, 100 roads of class A and of class B, 60 to 120
+    km/h: changes of the mean DAF from passive 10 kN s/m, 95 % within 0.007 (without feedback 0.01),
+    and that of the worst speed; places wrong by 1 m of either sign::
+
+                                  T2              T2A01           T5air
+        bridgehook               -0.032 -0.061   -0.068 -0.105   -0.101 -0.113
+        at the worst speed       -0.022 -0.041   -0.055 -0.064   -0.039 -0.052
+        1 m off                  -0.031 -0.060   -0.050 -0.080   -0.054 -0.050
+        1 m off, made for that   -0.030 -0.060   -0.052 -0.084   -0.063 -0.068
+        without feedback         -0.014 -0.004   -0.048 -0.049   +0.005 +0.113
+
+    So it does no harm at any speed; without feedback it does at five axles, up to 0.222 at 70 km/h.
+    Told of places a metre before the true ones bridgehook still gains 0.006 there. No law of the
+    library that does not know the road is below it at any speed; at T2, with stiff springs, skyhook
+    and `preset` are close.
 
     Examples
     --------
