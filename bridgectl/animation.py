@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.animation import FuncAnimation
 
 from bridgectl import _checks as check
-from bridgectl.dampers import Damper, Strategy
+from bridgectl.dampers.fitted import Dampers
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.bridge_effects import Moment
 from bridgectl.model.crossing import Crossing, require_factor
@@ -29,7 +29,7 @@ def crossing_animation(
     speed: float,
     profile: RoadProfile | None = None,
     *,
-    damper: Damper | Strategy | None = None,
+    damper: Dampers | None = None,
     start: float = 0.0,
     effect: Moment | None = None,
     frames: int = 100,
@@ -54,8 +54,8 @@ def crossing_animation(
     profile : RoadProfile, optional
         The road, covering `start` to the end of the bridge; level beyond its end. Default: a
         smooth road.
-    damper : bridgectl.dampers.Damper or Strategy, optional
-        A semi-active damper in place of the vehicle's own.
+    damper : bridgectl.dampers.Damper or Strategy, or a list or dict of them, optional
+        Semi-active dampers in place of the vehicle's own: see `bridgectl.daf`.
     start : float, optional
         Where the vehicle starts, in equilibrium [m]: 0, or negative for a start on the approach.
     effect : Moment, optional

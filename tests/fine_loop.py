@@ -150,21 +150,25 @@ class FineLoop:
         parts, (u, v, *_) = self.parts, self._split(y)
         forces = np.clip(self._wanted(self.dampings, y), -self.limits, self.limits)
         a = self._rates(t, y, tires, forces)[len(u) : 2 * len(u)]
-        rows = zip(
-            self.laws, parts.bodies, parts.axles, parts.legs, tires, rates, parts.behind,
-            strict=True,
-        )  # fmt: skip
+        rows = zip(parts.bodies, parts.axles, parts.legs, tires, rates, parts.behind, strict=True)
+        told = [
+            {
+                "body_velocity": body @ v, "axle_velocity": axle @ v, "suspension_travel": leg @ u,
+                "suspension_velocity": leg @ v, "body_acceleration": body @ a,
+                "axle_acceleration": axle @ a, "tire_force": tire, "tire_force_rate": rate,
+                "position": self.speed * t - behind, "speed": self.speed,
+            }
+            for body, axle, leg, tire, rate, behind in rows
+        ]  # fmt: skip
+        by_leg = {
+            f"{key}_{i}": value for i, own in enumerate(told, 1) for key, value in own.items()
+        }
         self.command = np.array(
             [
-                law.command(
-                    body_velocity=body @ v, axle_velocity=axle @ v, suspension_travel=leg @ u,
-                    suspension_velocity=leg @ v, body_acceleration=body @ a,
-                    axle_acceleration=axle @ a, tire_force=tire, tire_force_rate=rate,
-                    position=self.speed * t - behind, speed=self.speed,
-                )
-                for law, body, axle, leg, tire, rate, behind in rows
+                law.command(**own, **{key: by_leg[key] for key in law.signals if key in by_leg})
+                for law, own in zip(self.laws, told, strict=True)
             ]
-        )  # fmt: skip
+        )
         self.commands.append(self.command if len(self.laws) > 1 else float(self.command[0]))
         self.sampled = t
         jumps = (self.lags == 0) | first

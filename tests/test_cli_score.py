@@ -246,3 +246,36 @@ def test_help_lists_the_command_and_the_library(capsys, bridge, truck):
     assert "bridgectl score --strategies skyhook" in text
     names = [strategy.name for strategy in library(bridge, truck, 1e3, 30e3)[1:]]
     assert f"passive (the vehicle's own), {', '.join(names)}." in text
+
+
+# Trucks
+
+
+@pytest.mark.filterwarnings("ignore:start = :bridgectl.PlausibilityWarning")  # stiff springs
+def test_a_truck_is_scored_with_the_laws_at_every_leg(capsys):
+    """Its own damping, that of both axles, is not among the constant ones beside it."""
+    names = "constant,clipped lqr"
+    case = [*QUICK, "--truck", "T2", "--strategies", names, "--c-max", "1e5", "--random", "1"]
+    status, out, err = run(capsys, *case, "--approach", "60", "--json")
+    assert (status, err) == (0, "")
+    result = json.loads(out)
+    constants = [f"passive {c} kN s/m" for c in ("1", "3.2", "32", "100")]
+    assert result["strategies"] == ["passive 10 kN s/m", *constants, "clipped LQR"]
+    beam = bc.li2006.beam(9, n_modes=1)
+    whole = bc.utia_road().place_bridge(678).crop(-60, 9).detrend().resample(0.1)
+    daf = bc.daf(beam, bc.trucks.load("T2"), 80 / 3.6, whole, start=-60)
+    assert result["values"]["daf"][0][0] == pytest.approx(daf.tolist(), abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--truck", "T9"], "--truck: there is no truck 'T9': type one of T2"),
+        (["--truck", "T2", "--damping", "7e3"], "--truck and --damping exclude each other"),
+        (["--truck", "none.toml"], "--truck: none.toml: no such file"),
+    ],
+)
+def test_a_truck_that_there_is_not_is_named(capsys, arguments, message):
+    status, out, err = run(capsys, *QUICK, *arguments)
+    assert (status, out) == (2, "")
+    assert message in err

@@ -156,8 +156,8 @@ def test_the_mean_optimum_of_class_a_roads_is_near_that_of_others_of_the_class(b
     ("change", "error", "message"),
     [
         (
-            {"vehicle": bc.convoy([bc.li2006.car()], [0])}, TypeError,
-            "vehicle must be a QuarterCar, got Vehicle: .* type for example bridgectl.li2006.car",
+            {"vehicle": bc.Vehicle([[1e4]], [[0]], [[0]], [1e6])}, ValueError,
+            "vehicle must have dampers that can be controlled: type damper_map=",
         ),
         ({"road": [0, 0]}, TypeError, "road must be a RoadProfile, got list: type for example"),
         ({"c_min": 40e3}, ValueError, "c_min must not exceed c_max, got 40000 and 30000 .* swap"),

@@ -136,9 +136,8 @@ def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[
     c_max = check.positive("--c-max", args.c_max, unit="N s/m")
     if not c_min < c_max:
         raise ValueError(f"--c-min must be below --c-max, got {c_min:g} and {c_max:g} N s/m")
-    damping = vehicle.damping if isinstance(vehicle, bc.QuarterCar) else None
-    if damping is not None:
-        check.positive("--damping", damping, unit="N s/m")
+    if isinstance(vehicle, bc.QuarterCar):
+        check.positive("--damping", vehicle.damping, unit="N s/m")
     hardware = {
         "lag": check.not_negative("--lag", args.lag, unit="s"),
         "velocity_noise": check.not_negative("--velocity-noise", args.velocity_noise, unit="m/s"),
@@ -149,22 +148,22 @@ def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[
         raise ValueError(f"--max-force must be above 0 [N], got {args.max_force:g}")
     sample_time = check.positive("--sample-time", args.sample_time, unit="s")
     own, *others = library(beam, vehicle, c_min, c_max, section=args.section)
-    constants = _constants(c_min, c_max, damping)
+    constants = _constants(c_min, c_max, set(vehicle.linear.damper_dampings.tolist()))
     return [
         Damper(strategy, sample_time, **({} if strategy.c_min == strategy.c_max else hardware))
         for strategy in [own, *_chosen(args.strategies, others, constants)]
     ]
 
 
-def _constants(c_min: float, c_max: float, own: float | None) -> list[Strategy]:
-    """Constant dampers over the range, of round values between its ends."""
+def _constants(c_min: float, c_max: float, own: set[float]) -> list[Strategy]:
+    """Constant dampers over the range, of round values between its ends, but for all legs' own."""
     from bridgectl.dampers import passive
 
     rounded = [float(f"{c:.2g}") for c in np.geomspace(c_min, c_max, N_CONSTANT)]
     between = [c for c in rounded if c_min < c < c_max]
     found = {each.name: each for each in map(passive, [c_min, *between, c_max])}
-    if own is not None:
-        found.pop(passive(own).name, None)
+    for damping in own if len(own) == 1 else ():
+        found.pop(passive(damping).name, None)
     return list(found.values())
 
 

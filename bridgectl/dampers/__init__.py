@@ -23,7 +23,8 @@ from bridgectl.dampers.preset import preset
 from bridgectl.dampers.program import program
 from bridgectl.dampers.sensitivity import program_sensitivity
 from bridgectl.dampers.sensors import Sensors
-from bridgectl.dampers.strategy import SIGNALS, Strategy
+from bridgectl.dampers.signals import SIGNALS
+from bridgectl.dampers.strategy import Strategy
 from bridgectl.dampers.tire_laws import extended_groundhook, selective_groundhook, tire_groundhook
 
 __all__ = [

@@ -12,6 +12,7 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.expression import at_sample, depends
 from bridgectl.dampers.legs import Legs
+from bridgectl.dampers.signals import SIGNALS, others_of
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.model.vehicle import signals as signals_of
 
@@ -34,79 +35,110 @@ MOTION = ("body_velocity", "axle_velocity", "suspension_travel", "suspension_vel
 SAMPLED = ("body_acceleration", "axle_acceleration")
 """Signals that a command may depend on but from one sample to the next: see `law_block`."""
 
+RATE = "tire_force_rate"
+
 RATE_TIME = 1e-3
 """Time constant [s] of the rate of the tire force in a block: as late as a change over 2 ms."""
 
 
-class _Wiring(NamedTuple):
+class _Signal(NamedTuple):
+    """A signal that a law measures: what it is, and the leg, from 0, that it is of."""
+
+    name: str
+    signal: str
+    leg: int
+
+
+def _signals(law: Strategy, vehicle: Vehicle | None, leg: int) -> list[_Signal]:
+    """What a law at a leg, counted from 1, measures, its own leg's first."""
+    names = ("1",) if vehicle is None else vehicle.damper_names
+    others = others_of(law.name, law.signals, names)
+    return [_Signal(name, name, leg - 1) for name in SIGNALS] + [_Signal(*each) for each in others]
+
+
+class _Wiring:
     """How a block reads what it measures from outputs of a crossing, and where its force goes."""
 
-    inputs: list[str]
-    """Outputs of the crossing."""
-    reading: FloatArray
-    """What is measured from them, (measured, inputs)."""
-    number: str
-    """What follows 'damper_force': '' of the only damper, else '_1', ..."""
-    behind: float
-    """How far the leg is behind the reference tire [m]."""
+    def __init__(self, vehicle: Vehicle | None, leg: int, measured: Sequence[_Signal]) -> None:
+        self.legs = None if vehicle is None else Legs(vehicle)
+        rows = [self._row(each) for each in measured]
+        self.inputs = [*dict.fromkeys(name for row in rows for name in row)]
+        """Outputs of the crossing."""
+        self.reading = np.array([[row.get(name, 0.0) for name in self.inputs] for row in rows])
+        """What is measured from them, (measured, inputs)."""
+        self.number = self._number(leg - 1)
+        """What follows 'damper_force': '' of the only damper, else '_1', ..."""
 
+    def _number(self, leg: int) -> str:
+        return f"_{leg + 1}" if self.legs is not None and len(self.legs.rate) > 1 else ""
 
-def _wiring(vehicle: Vehicle | None, leg: int, measured: Sequence[str]) -> _Wiring:
-    """Of a leg of a vehicle, counted from 1; without one that of a quarter-car."""
-    if vehicle is None:
-        return _Wiring([CROSSING_OUTPUTS[name] for name in measured], np.eye(len(measured)), "", 0)
-    legs, n = Legs(vehicle), len(vehicle.coordinates)
-    number = f"_{leg}" if len(legs.rate) > 1 else ""
-    rates = [f"{name}_dot" for name in vehicle.coordinates]
-    suspension = [f"suspension_travel{number}", f"suspension_velocity{number}"]
-    tires = signals_of("tire_force", vehicle.n_tires) if "tire_force" in measured else []
-    reading = np.zeros((len(measured), n + 2 + len(tires)))
-    reading[0, :n], reading[1, :n] = (of[leg - 1, 1::2] for of in (legs.body, legs.axle))
-    reading[2:4, n : n + 2] = np.eye(2)
-    if tires:
-        reading[4, n + 2 :] = legs.tires[leg - 1]
-    return _Wiring([*rates, *suspension, *tires], reading, number, float(legs.offsets[leg - 1]))
+    def _row(self, what: _Signal) -> dict[str, float]:
+        """Outputs of the crossing that sum up to a signal, with their factors."""
+        signal = "tire_force" if what.signal == "tire_force_rate" else what.signal
+        if self.legs is None:
+            return {CROSSING_OUTPUTS[signal]: 1.0}
+        if signal == "tire_force":
+            tires = self.legs.tires[what.leg]
+            names = signals_of("tire_force", len(tires))
+            return {name: 1.0 for name, under in zip(names, tires, strict=True) if under}
+        if signal.startswith("suspension"):
+            return {f"{signal}{self._number(what.leg)}": 1.0}
+        ends = self.legs.body if signal.startswith("body") else self.legs.axle
+        dots = "_ddot" if signal in SAMPLED else "_dot"
+        names = [f"{name}{dots}" for name in self.legs.vehicle.coordinates]
+        found = zip(names, ends[what.leg, 1::2].tolist(), strict=True)
+        return {name: factor for name, factor in found if factor}
+
+    def behind(self, leg: int) -> float:
+        """How far a leg is behind the reference tire [m]."""
+        return 0.0 if self.legs is None else float(self.legs.offsets[leg])
 
 
 def law_block(
-    law: Strategy, signals: Sequence[str], speed: float, rate_time: float, sample_time: float,
+    law: Strategy, speed: float, rate_time: float, sample_time: float,
     vehicle: Vehicle | None = None, leg: int = 1,
 ) -> control.NonlinearIOSystem:  # fmt: skip
-    """Return the block of a law of some signals: see `bridgectl.dampers.Strategy.system`."""
+    """Return the block of a law: see `bridgectl.dampers.Strategy.system`."""
     velocity = check.positive("speed", speed, unit="m/s")
     lag = check.positive("rate_time", rate_time, unit="s")
     time = check.positive("sample_time", sample_time, unit="s")
     used, gains = set(law.used), np.reshape([*law.gains.values()], (-1, 1))
-    at_once = depends(law.function, signals, gains[:, 0].tolist(), at_once=True)
-    if loops := [name for name in SAMPLED if name in at_once]:
+    at_once = depends(law.function, law.signals, gains[:, 0].tolist(), at_once=True)
+    every = _signals(law, vehicle, leg)
+    if loops := [each.name for each in every if each.signal in SAMPLED and each.name in at_once]:
         raise ValueError(
             f"{law.name} measures {' and '.join(loops)}, which the damper force changes at "
             "once: it has no block without delay, simulate it with a sample time by "
             "daf(..., damper=Damper(law, sample_time=2e-3)) or simulate_loop"
         )
-    measured = [*MOTION, *(name for name in SAMPLED if name in used)]
-    of_tire = len(measured) if used & {"tire_force", "tire_force_rate"} else None
-    measured += [] if of_tire is None else ["tire_force"]
-    lagged = ["lagged_tire_force"] if "tire_force_rate" in used else []
-    places = [signals.index(name) for name in (*measured, "position", "speed")]
-    wired = _wiring(vehicle, leg, measured)
-    rate, row = MOTION.index("suspension_velocity"), np.zeros((len(signals), 1))
-    n, most = len(lagged), len(wired.inputs)
+    placed = [(k, each.leg) for k, each in enumerate(every) if each.signal == "position"]
+    fast = [k for k, each in enumerate(every) if each.signal == "speed"]
+    rated = [k for k, each in enumerate(every) if each.signal == RATE and each.name in used]
+    read = [
+        k
+        for k, each in enumerate(every)
+        if each.name in MOTION or (each.name in used and each.signal in CROSSING_OUTPUTS)
+    ]
+    wired = _Wiring(vehicle, leg, [every[k] for k in [*read, *rated]])
+    pressing = any(every[k].signal == "tire_force" for k in read) or bool(rated)
+    offsets = np.array([wired.behind(of) for _, of in placed])
+    rate, row = MOTION.index("suspension_velocity"), np.zeros((len(every), 1))
+    n, most = len(rated), len(wired.inputs)
 
     def sampled(t: float, x: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
-        row[places, 0] = *(wired.reading @ u[:most]), velocity * t - wired.behind, velocity
-        if lagged:
-            row[signals.index("tire_force_rate")] = tire_rate(x, u)
+        row[read, 0] = (wired.reading @ u[:most])[: len(read)]
+        row[[k for k, _ in placed], 0] = velocity * t - offsets
+        row[fast], row[rated, 0] = velocity, tire_rates(x, u)
         columns = row, gains, x[n:, np.newaxis], [[time]], u[most:, np.newaxis]
         c, after = at_sample(law.name, law.function, *columns)
         return c, after[:, 0]
 
-    def tire_rate(x: FloatArray, u: FloatArray) -> FloatArray:
-        return (wired.reading[of_tire:] @ u[:most] - x[:n]) / lag if lagged else u[:0]
+    def tire_rates(x: FloatArray, u: FloatArray) -> FloatArray:
+        return np.asarray(((wired.reading @ u[:most])[len(read) :] - x[:n]) / lag)
 
     def update(t: float, x: FloatArray, u: FloatArray, p: dict[str, Any]) -> FloatArray:
         moved = sampled(t, x, u)[1] if law.states else x[n:]
-        return np.concatenate([tire_rate(x, u), (moved - x[n:]) / time])
+        return np.concatenate([tire_rates(x, u), (moved - x[n:]) / time])
 
     def output(t: float, x: FloatArray, u: FloatArray, p: dict[str, Any]) -> FloatArray:
         try:
@@ -114,12 +146,12 @@ def law_block(
         except ValueError:
             # No output of another system is known when all are asked for theirs at first, and
             # only then is a tire force 0 without any motion.
-            if of_tire is None or u.any():
+            if not pressing or u.any():
                 raise
             c = law.c_min
         return np.array([c * (wired.reading[rate] @ u[:most]), c])
 
-    states = [*lagged, *law.states]
+    states = [every[k].name.replace(RATE, "lagged_tire_force") for k in rated] + [*law.states]
     return control.nlsys(
         update if states else None, output, states=states or None,
         inputs=wired.inputs + [f"ahead{wired.number}_{i + 1}" for i in range(len(law.preview))],

@@ -20,6 +20,7 @@ import numpy as np
 
 from bridgectl._checks import FloatArray
 from bridgectl._warn import warn
+from bridgectl.dampers.signals import SIGNALS, parts_of
 
 INSTEAD = (
     "the signals are CasADi expressions, not numbers: for `x if a else b` or np.where type "
@@ -63,59 +64,70 @@ def damping_function(
     name: str,
     law: Callable[..., Any],
     update: Callable[..., Any] | None,
-    signals: Sequence[str],
     gains: Mapping[str, float],
     states: Mapping[str, float],
     n_ahead: int,
     *,
     c_min: float,
     c_max: float,
-) -> ca.Function:
+) -> tuple[ca.Function, tuple[str, ...]]:
     """Return a law as the CasADi function "damping" of `INPUTS` (columns) to `OUTPUTS`.
 
-    Signals are given by name; gains and states, too, with the values at which slips are looked for.
+    And its signals: `SIGNALS`, and what it measures of other legs. Gains and states are given by
+    name, with the values at which slips are looked for.
     """
     if not callable(law):
         raise TypeError(f"law must be a function law(s, g), got {type(law).__name__}")
     known = {"c_min": c_min, "c_max": c_max}
-    free = _law_function(name, law, update, signals, [*gains], [*states], n_ahead, known)
+    free, signals = _law_function(name, law, update, [*gains], [*states], n_ahead, known)
     columns = gains.values(), states.values(), [SAMPLE_TIME]
     held = [np.reshape([*values], (-1, 1)) for values in columns]
     _warn_of_slips(name, free, signals, held, n_ahead, c_min, c_max)
-    return _within(free, c_min, c_max)
+    return _within(free, c_min, c_max), signals
+
+
+class _Measured(SimpleNamespace):
+    """What a law measures, as attributes; signals of other legs once it names them."""
+
+    def __getattr__(self, name: str) -> Any:
+        if not parts_of(name)[1]:
+            return super().__getattribute__(name)  # which fails
+        setattr(self, name, ca.SX.sym(name))
+        return getattr(self, name)
 
 
 def _law_function(
     name: str,
     law: Callable[..., Any],
     update: Callable[..., Any] | None,
-    signals: Sequence[str],
     gains: Sequence[str],
     states: Sequence[str],
     n_ahead: int,
     known: Mapping[str, float],
-) -> ca.Function:
-    """A law without bounds, with what is `known` of the gains as numbers."""
-    sizes = len(signals), len(gains), len(states), 1, n_ahead
+) -> tuple[ca.Function, tuple[str, ...]]:
+    """A law without bounds, with what is `known` of the gains as numbers, and its signals."""
+    sizes = len(SIGNALS), len(gains), len(states), 1, n_ahead
     columns = [ca.SX.sym(letter, size) for letter, size in zip("sgxta", sizes, strict=True)]
     s, g, x, (time,), ahead = (ca.vertsplit(c) if c.numel() else [] for c in columns)
-    measured: dict[str, Any] = dict(zip((*signals, *states), (*s, *x), strict=True))
+    measured: dict[str, Any] = dict(zip((*SIGNALS, *states), (*s, *x), strict=True))
     measured |= {"sample_time": time} if states else {}
     measured |= {"ahead": ahead} if n_ahead else {}
     arguments = (
-        SimpleNamespace(**measured),
+        _Measured(**measured),
         SimpleNamespace(**known, **dict(zip(gains, g, strict=True))),
     )
-    inputs = columns if states or n_ahead else columns[:2]
     result = _called(f"law of {name}", law, arguments)
     command = _one_number(f"law of {name}", result)
     _require_no_condition(name, result, command, known["c_max"])
+    what = f"update of {name}"
+    following = _called(what, update, arguments) if update else {}
+    others = {key: sym for key, sym in vars(arguments[0]).items() if key not in measured}
+    columns[0] = ca.vertcat(columns[0], *others.values())
+    inputs = columns if states or n_ahead else columns[:2]
     outputs = [_of_inputs(f"law of {name}", inputs, command)]
     if states or n_ahead:
-        what = f"update of {name}"
-        following = _called(what, update, arguments) if update else {}
         outputs.append(_of_inputs(what, inputs, _every_state(what, following, states)))
-    return ca.Function("law", inputs, outputs)
+    return ca.Function("law", inputs, outputs), (*SIGNALS, *others)
 
 
 def _evaluated(function: ca.Function, *columns: Any) -> list[FloatArray]:
@@ -173,8 +185,9 @@ def _warn_of_slips(
     c_min: float, c_max: float,
 ) -> None:  # fmt: skip
     """Warn of a law that returns a force, or a damping in another unit, in its first sample."""
-    size = np.array([(TYPICAL | ELSE)[key] for key in signals])
-    motion = np.array([key in TYPICAL for key in signals])
+    measured = [parts_of(key)[0] for key in signals]
+    size = np.array([(TYPICAL | ELSE)[key] for key in measured])
+    motion = np.array([key in TYPICAL for key in measured])
     random = np.random.default_rng(0)
     there = size * random.uniform(-1, 1, (50, len(signals)))
     there[:, ~motion] = np.abs(there[:, ~motion])
@@ -210,7 +223,8 @@ def _called(what: str, function: Callable[..., Any], arguments: tuple[Any, Any])
             signals, gains = (", ".join(vars(argument)) for argument in arguments)
             raise ValueError(
                 f"the {what} uses an unknown name ({error}); signals: {signals}; gains: {gains}; "
-                "others come by states=..., update=... and, for s.ahead, preview=..."
+                "of another leg of a vehicle for example s.body_velocity_rear; others come by "
+                "states=..., update=... and, for s.ahead, preview=..."
             ) from error
         raise ValueError(f"the {what} fails: {_in_short(error)}") from error
 

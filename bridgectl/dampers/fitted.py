@@ -17,6 +17,7 @@ from bridgectl.dampers.actuator import (
 )
 from bridgectl.dampers.laws import passive
 from bridgectl.dampers.legs import require_dampers
+from bridgectl.dampers.signals import SIGNALS, others_of
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.quarter_car import QuarterCar
@@ -61,6 +62,11 @@ class Fitted:
         """Damping [N s/m] that all legs keep; None if they keep none, or not the same."""
         return None if self.kept is None or len(self.kept) > 1 else float(self.kept[0])
 
+    @property
+    def whole(self) -> bool:
+        """Whether a law measures at other legs, so that all have their dampers in the loop."""
+        return any(d.constant is None and d.strategy.signals != SIGNALS for d in self.dampers)
+
     def without(self, vehicle: Vehicle | QuarterCar) -> Vehicle | QuarterCar:
         """Return a vehicle with all its legs, and at these no passive dampers."""
         return with_damping(vehicle, 0.0, self.legs)
@@ -73,7 +79,7 @@ class Fitted:
         """Return the crossing with constant dampers in the vehicle, and those that are not."""
         vehicle, left = crossing.vehicle, {}
         for leg, damper in zip(self.legs, self.dampers, strict=True):
-            if damper.constant is None:
+            if damper.constant is None or self.whole:
                 left[leg] = damper
             else:
                 vehicle = with_damping(vehicle, damper.constant, (leg,))
@@ -107,7 +113,11 @@ Dampers = (
 
 def fitted_everywhere(dampers: Any, vehicle: Vehicle | QuarterCar) -> Fitted:
     """Do as `fitted`, with passive dampers in the loop at the legs that keep theirs."""
-    found, own = fitted(dampers, vehicle), vehicle.linear.damper_dampings
+    return _everywhere(fitted(dampers, vehicle), vehicle.linear.damper_dampings)
+
+
+def _everywhere(found: Fitted, own: FloatArray) -> Fitted:
+    """Add passive dampers at legs without any."""
     every = dict(zip(found.legs, found.dampers, strict=True))
     time = found.sample_time
     for leg in set(range(len(own))) - set(every):
@@ -130,7 +140,10 @@ def fitted(dampers: Any, vehicle: Vehicle | QuarterCar) -> Fitted:
         given = dict.fromkeys(range(len(names)), as_damper(dampers))
     legs = {leg: _at(damper, leg) for leg, damper in sorted(given.items())}
     _require_one_clock(list(legs.values()))
-    return Fitted(tuple(legs), tuple(legs.values()))
+    found = Fitted(tuple(legs), tuple(legs.values()))
+    for damper in found.dampers:
+        others_of(damper.strategy.name, damper.strategy.signals, names)
+    return _everywhere(found, vehicle.linear.damper_dampings) if found.whole else found
 
 
 def _at(damper: Damper, leg: int) -> Damper:

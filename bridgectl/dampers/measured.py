@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.sensors import Sensors, estimates, moved, states_of
-from bridgectl.dampers.strategy import SIGNALS, Strategy
+from bridgectl.dampers.signals import parts_of
+from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.crossing import Crossing
 
 ODOMETER = ("position", "speed")
@@ -27,6 +28,11 @@ STANDING = {COMMAND, "tire_force", *ODOMETER}
 """What is not 0 before the first sample, at rest: late ones have always been as at the first."""
 
 
+def _standing(key: str) -> bool:
+    """Whether a signal, of any leg, or the command is not 0 at rest."""
+    return key in STANDING or parts_of(key)[0] in STANDING
+
+
 class Measured(Strategy):
     """A strategy behind sensors; made by `measured`. At each speed it is that of the strategy."""
 
@@ -35,11 +41,11 @@ class Measured(Strategy):
     ) -> None:
         self.strategy, self.sensors, self.delays = strategy, sensors, dict(delays)
         self.registers = {
-            key: [f"{key}_{i + 1}" for i in range(n)] for key, n in self.delays.items()
+            key: [f"{key}_late_{i + 1}" for i in range(n)] for key, n in self.delays.items()
         }
         own = {} if sensors is None else states_of(sensors)
         own |= {state: 0.0 for each in self.registers.values() for state in each}
-        own |= {"started": 0.0} if self.delays.keys() & STANDING else {}
+        own |= {"started": 0.0} if any(map(_standing, self.delays)) else {}
         if taken := set(own) & set(strategy.states):
             raise ValueError(
                 f"strategy {strategy.name!r} has a state {sorted(taken)[0]!r} already: put all "
@@ -120,7 +126,7 @@ class Measured(Strategy):
         return self._found[1]
 
     def _solve(self, s: Any, g: Any) -> SimpleNamespace:
-        known, after = {name: getattr(s, name) for name in SIGNALS}, dict[str, Any]()
+        known, after = {name: getattr(s, name) for name in self.strategy.signals}, dict[str, Any]()
         for key in self.registers.keys() & known.keys():
             known[key] = self._passed(s, key, known[key], after)
         x = ca.SX(0, 1)
@@ -130,7 +136,7 @@ class Measured(Strategy):
             heard |= estimates(self.sensors, x)
         inner = self.strategy
         columns = (
-            [heard[name] for name in SIGNALS],
+            [heard[name] for name in inner.signals],
             [getattr(g, name) for name in inner.gains],
             [getattr(s, name) for name in inner.states],
             [s.sample_time],
@@ -152,7 +158,7 @@ class Measured(Strategy):
         """What has come through a register, and into `after` what is in it next."""
         names = self.registers[key]
         held = [getattr(s, name) for name in names]
-        if key in STANDING:
+        if _standing(key):
             held = [ca.if_else(s.started > 0, old, value) for old in held]
         after |= dict(zip(names, [value, *held[:-1]], strict=True))
         return held[-1]
@@ -234,7 +240,7 @@ def measured(
             f"sensors must be Sensors, got {type(sensors).__name__}: type for example "
             "Sensors.accelerometers()"
         )
-    late = _checked_delays({} if delays is None else delays, sensors)
+    late = _checked_delays({} if delays is None else delays, strategy, sensors)
     told = [*([] if sensors is None else [sensors.name]), *(["delayed"] if late else [])]
     if not told:
         raise ValueError(
@@ -243,12 +249,12 @@ def measured(
     return Measured(strategy, sensors, late, name or f"{strategy.name} ({', '.join(told)})")
 
 
-def _checked_delays(delays: Any, sensors: Sensors | None) -> dict[str, int]:
+def _checked_delays(delays: Any, strategy: Strategy, sensors: Sensors | None) -> dict[str, int]:
     """Check the delays in samples, by signal."""
     example = 'delays={"suspension_travel": 2, "command": 1}'
     if not isinstance(delays, Mapping):
         raise TypeError(f"delays must be a mapping, got {delays!r:.60}: type for example {example}")
-    known = [*(SIGNALS if sensors is None else (*sensors.inputs, *ODOMETER)), COMMAND]
+    known = [*(strategy.signals if sensors is None else (*sensors.inputs, *ODOMETER)), COMMAND]
     for key, value in delays.items():
         if key not in known:
             raise ValueError(

@@ -31,27 +31,9 @@ from bridgectl.dampers.gains import (
     damping_bounds,
 )
 from bridgectl.dampers.legs import checked_leg
+from bridgectl.dampers.signals import SIGNALS
 from bridgectl.model.crossing import Crossing
 from bridgectl.model.vehicle import Vehicle
-
-SIGNALS = (
-    "body_velocity",
-    "axle_velocity",
-    "suspension_travel",
-    "suspension_velocity",
-    "body_acceleration",
-    "axle_acceleration",
-    "tire_force",
-    "tire_force_rate",
-    "position",
-    "speed",
-)
-"""What a strategy may measure: m/s, m/s, m, m/s, m/s^2, m/s^2, N, N/s, m from the bridge's start,
-m/s. Each leg of a vehicle has its own: of its ends, its tires (summed) and their place.
-
-Displacements are positive downward, the suspension's are body minus axle, as in the crossing. The
-rate of the tire force is its change since the last sample over the sample time (0 at the first).
-"""
 
 Law = Callable[[Any, Any], Any]
 """From signals and gains, by name as attributes, to the command c [N s/m], in CasADi operations."""
@@ -68,8 +50,9 @@ class Strategy:
         What tables call it.
     law : callable
         ``law(s, g)`` returns the command c [N s/m]. ``s`` has the signals of
-        `bridgectl.dampers.SIGNALS` as attributes, and what `states` and `preview` add; ``g`` the
-        gains, and ``c_min``, ``c_max``. What it returns is kept within [c_min, c_max]; NaN and
+        `bridgectl.dampers.SIGNALS` as attributes, those of other legs of a vehicle by their names
+        as ``s.body_velocity_rear``, and what `states` and `preview` add; ``g`` the gains, and
+        ``c_min``, ``c_max``. What it returns is kept within [c_min, c_max]; NaN and
         infinity are errors when they occur. It is called once, with CasADi expressions: see the
         errors for what Python does not do to them.
     c_min, c_max : float
@@ -121,6 +104,14 @@ class Strategy:
     ...         "low": s.low + (1 - ca.exp(-20 * s.sample_time)) * (s.body_velocity - s.low)})
     >>> smooth.command(body_velocity=0.1, low=-0.05)
     array(30000.)
+
+    Against pitch, for any leg of a vehicle whose dampers are called front and rear:
+
+    >>> pitch = Strategy(
+    ...     "pitch", lambda s, g: 8e3 + 60e3 * (s.body_velocity_front - s.body_velocity_rear),
+    ...     1e3, 30e3)
+    >>> pitch.command(body_velocity_front=0.1, body_velocity_rear=[0.0, 0.2])
+    array([14000.,  2000.])
     """
 
     def __init__(
@@ -142,8 +133,8 @@ class Strategy:
         self.states = checked_states({} if states is None else states, update, taken)
         self.preview = checked_preview(preview)
         # Of `INPUTS` and to `OUTPUTS`; name, law, bounds and this belong together.
-        self.function = damping_function(
-            self.name, law, update, SIGNALS, self.gains, self.states, len(self.preview),
+        self.function, self.signals = damping_function(
+            self.name, law, update, self.gains, self.states, len(self.preview),
             c_min=self.c_min, c_max=self.c_max,
         )  # fmt: skip
 
@@ -277,7 +268,7 @@ class Strategy:
         Parameters
         ----------
         rows : ndarray, shape (n_signals, count)
-            The signals of each case: see `bridgectl.dampers.SIGNALS` for order and units.
+            The `signals` of each case: see `bridgectl.dampers.SIGNALS` for units.
         gains : ndarray, shape (n_gains, count), optional
             The gains of each case, as `with_gains` takes them; the strategy's own if omitted.
         others : array_like
@@ -293,19 +284,19 @@ class Strategy:
         TypeError, ValueError
             If an argument is not what is described above, or the law returns NaN or infinity.
         """
-        signals = check.array("rows", rows, (len(SIGNALS), None))
-        return self._commanded({**dict(zip(SIGNALS, signals, strict=True)), **others}, gains)
+        signals = check.array("rows", rows, (len(self.signals), None))
+        return self._commanded({**dict(zip(self.signals, signals, strict=True)), **others}, gains)
 
     def _commanded(
         self, given: Mapping[str, ArrayLike], gains: FloatArray | None = None
     ) -> FloatArray:
-        known = dict.fromkeys(SIGNALS, 0.0) | self.states
+        known = dict.fromkeys(self.signals, 0.0) | self.states
         shape, time, rows = cases(self.name, known, len(self.preview), given)
         own, count = np.reshape([*self.gains.values()], (-1, 1)), rows.shape[1]
         each = own if gains is None else check.array("gains", gains, (len(own), count))
         if count == 0:
             return np.zeros(shape)
-        signals, states, seen = np.split(rows, np.cumsum([len(SIGNALS), len(self.states)]))
+        signals, states, seen = np.split(rows, np.cumsum([len(self.signals), len(self.states)]))
         columns = signals, each, states, [[time]], seen
         return at_sample(self.name, self.function, *columns)[0].reshape(shape)
 
@@ -364,18 +355,18 @@ class Strategy:
         10
         """
         own = self if vehicle is None else self.for_leg(checked_leg(vehicle, leg))
-        return law_block(own.for_speed(speed), SIGNALS, speed, rate_time, sample_time, vehicle, leg)
+        return law_block(own.for_speed(speed), speed, rate_time, sample_time, vehicle, leg)
 
     @property
     def used(self) -> list[str]:
         """Signals that the command, or a state, depends on, with the gains as they are."""
-        return depends(self.function, SIGNALS, [*self.gains.values()])
+        return depends(self.function, self.signals, [*self.gains.values()])
 
     def to_c(self, path: str | Path) -> Path:
         """Write the law as a C file with the function ``damping(signals, gains) -> c``.
 
         With states or preview it is ``damping(signals, gains, states, sample_time, ahead) -> (c,
-        next_states)``: signals in the order of `bridgectl.dampers.SIGNALS`, gains and states in
+        next_states)``: signals in the order of `signals`, gains and states in
         that of `gains` and `states`, these as the last sample left them. What is no finite number
         the function returns as it is: NaN or infinity.
 

@@ -18,6 +18,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, count_pieces, even_places
 from bridgectl.dampers.actuator import Damper
 from bridgectl.dampers.fitted import Dampers, Fitted, fitted_everywhere
+from bridgectl.dampers.signals import SIGNALS
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel, described
 from bridgectl.model.bridge_effects import Moment
@@ -213,6 +214,7 @@ def _told(damper: Damper, study: Study) -> list[Any]:
     return [
         repr(damper.strategy),  # what a strategy chooses gains from is in no function
         [law.function.serialize() for law in ends],
+        *([damper.strategy.signals] if damper.strategy.signals != SIGNALS else []),
         damper.strategy.gains,
         [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
         [damper.position_error, damper.position_deviation],

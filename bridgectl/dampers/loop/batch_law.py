@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.expression import INPUTS, SAMPLE_TIME, at_sample, numbers
-from bridgectl.dampers.strategy import SIGNALS, Strategy
+from bridgectl.dampers.strategy import Strategy
 
 Operation = Callable[..., Any]
 
@@ -87,11 +87,12 @@ class BatchLaw:
         self.sample_time = sample_time
         at_speeds = [strategy.for_speed(float(speed)) for speed in speeds]
         self.laws = at_speeds[:1] if all(law is strategy for law in at_speeds) else at_speeds
-        if len({(*law.states, len(law.preview)) for law in self.laws}) > 1:
+        if len({(law.signals, *law.states, len(law.preview)) for law in self.laws}) > 1:
             raise ValueError(
                 f"{self.name} must have the same states at every speed, and as many distances of "
-                "preview"
+                "preview, and measure at the same legs"
             )
+        self.signals = self.laws[0].signals
         self.preview: FloatArray = np.array([law.preview for law in self.laws], dtype=np.float64)
         self.steps = _merged([law.function for law in self.laws])
         self._know({})
@@ -118,7 +119,7 @@ class BatchLaw:
                     several = len(step.constant) > 1
                     known[k] = step.constant[:, np.newaxis] if several else step.constant[0]
                 elif step.operation == ca.OP_INPUT:
-                    if (name := _told(step)) in given:
+                    if (name := _told(step, self.signals)) in given:
                         known[k] = given[name]
                 elif all(i in known for i in step.takes):
                     known[k] = _do(step, known)
@@ -164,7 +165,7 @@ class BatchLaw:
         for k in self.remaining:
             step = steps[k]
             if step.operation == ca.OP_INPUT:
-                values[k] = _input(step, *inputs)
+                values[k] = _input(step, self.signals, *inputs)
             else:
                 values[k] = _do(step, values)
         return [np.broadcast_to(values[k], shape) for k in self.outputs]
@@ -173,7 +174,7 @@ class BatchLaw:
         """Case by case in CasADi, for operations that are not among those above."""
         signals, gains, *others = inputs
         memory, ahead = (np.moveaxis(values, 1, 0) for values in others)
-        columns = [signals[name] for name in SIGNALS], gains, memory, [self.sample_time], ahead
+        columns = [signals[name] for name in self.signals], gains, memory, [self.sample_time], ahead
         rows = np.array([np.broadcast_to(case, shape) for each in columns for case in each])
         ends = np.cumsum([len(each) for each in columns])[:-1]
         several = np.split(rows, shape[0], axis=1) if len(self.laws) > 1 else [rows]
@@ -236,12 +237,10 @@ def _steps(function: ca.Function) -> list[_Step]:
     return steps
 
 
-def _told(step: _Step) -> str | None:
+def _told(step: _Step, names: Sequence[str]) -> str | None:
     """Name of the signal that an input is, or 'sample_time'; None of others."""
     which, entry = step.takes
-    return (
-        SIGNALS[entry] if which == 0 else "sample_time" if INPUTS[which] == "sample_time" else None
-    )
+    return names[entry] if which == 0 else INPUTS[which] if INPUTS[which] == "sample_time" else None
 
 
 _Inputs = tuple[Mapping[str, ArrayLike], list[Any], FloatArray, FloatArray]
@@ -249,12 +248,13 @@ _Inputs = tuple[Mapping[str, ArrayLike], list[Any], FloatArray, FloatArray]
 
 
 def _input(
-    step: _Step, signals: Mapping[str, Any], gains: list[Any], memory: FloatArray, ahead: FloatArray
-) -> Any:
+    step: _Step, names: Sequence[str], signals: Mapping[str, Any], gains: list[Any],
+    memory: FloatArray, ahead: FloatArray,
+) -> Any:  # fmt: skip
     """What a step reads, but for the sample time, which is known."""
     which, entry = step.takes
     if which == 0:
-        return signals[SIGNALS[entry]]
+        return signals[names[entry]]
     return gains[entry] if which == 1 else (memory if which == 2 else ahead)[:, entry]
 
 

@@ -7,7 +7,7 @@ advanced by the exact steps of `bridgectl.dampers.loop.steps`, cut at the events
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ from bridgectl.dampers.loop.steps import (
     make_plan,
     times_within,
 )
-from bridgectl.dampers.strategy import SIGNALS
+from bridgectl.dampers.signals import SIGNALS, others_of
 from bridgectl.model.crossing import Crossing
 from bridgectl.road.elevations import drops_of
 
@@ -79,6 +79,10 @@ class Loop:
         self.plan: Plan = make_plan(
             crossing, speeds, stations, dampers.sample_time, parts, self.start
         )
+        self.others = [  # what each law measures of other legs
+            others_of(damper.strategy.name, damper.strategy.signals, self.legs.names)
+            for damper in dampers.dampers
+        ]
         self.controllers: list[Controller] = []
         self.errors: list[Errors] = []
         every = np.full(len(elevations), self.start)
@@ -90,7 +94,7 @@ class Loop:
             )
             law = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
             roads = stations, self.drops, crossing.beam.length
-            errors = Errors(damper, self.plan, speeds, *roads, leg)
+            errors = Errors(damper, self.plan, speeds, *roads, dampers.legs[leg])
             if not damper.position_deviation:  # else each road has places of its own
                 places = self.plan.edges[..., 0] - self.legs.offsets[leg] + errors.places
                 law.foresee(places, speeds)
@@ -189,15 +193,18 @@ class Loop:
     def _sample(self, now: Ends, k: int) -> None:
         """Measure, command, and record: the controllers' part of a round."""
         first = self.plan.first[: len(now.force)] == k
-        measured, told = self._signals(now, k, first), list[Mapping[str, FloatArray]]()
+        measured = self._signals(now, k, first)
+        told = [
+            errors.added(k, {name: values[:, leg] for name, values in measured.items()})
+            for leg, errors in enumerate(self.errors)
+        ]
         for leg, (controller, damper) in enumerate(
             zip(self.controllers, self.dampers.dampers, strict=True)
         ):
-            own = {name: values[:, leg] for name, values in measured.items()}
-            told.append(self.errors[leg].added(k, own))
+            others = {name: told[of][signal] for name, signal, of in self.others[leg]}
             memory = now.memory[:, slice(*self.of_memory[leg : leg + 2])]
             ahead = self._ahead(k, now.peak.shape, leg)
-            wanted, memory[:] = controller.command(told[leg], memory, ahead, k)
+            wanted, memory[:] = controller.command({**told[leg], **others}, memory, ahead, k)
             command = now.command[:, leg]
             switched = (wanted > self.middle[leg]) != (command > self.middle[leg])
             switched[first] = False

@@ -1,7 +1,7 @@
-"""The clairvoyant optimum: how low a semi-active damper could bring the peak moment.
+"""The clairvoyant optimum: how low semi-active dampers could bring the peak moment.
 
-With all of the road known, the damping c(t) of one crossing is chosen for the least peak moment. No
-damper can know the road like that: this is a line to compare strategies with, not a controller.
+With all of the road known, the dampings c(t) of one crossing are chosen for the least peak moment.
+No damper can know the road like that: this is a line to compare strategies with, not a controller.
 
 The damping is held over intervals, which are cut into the steps of
 `bridgectl.dampers.optimum.steps`: states, impulses z and moments M_k are linear in one another, and
@@ -16,14 +16,12 @@ never the solver's number but that of `simulate_loop` with this damping.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
-from scipy import sparse
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
@@ -34,17 +32,20 @@ from bridgectl.dampers.actuator import Damper, with_damping
 from bridgectl.dampers.costate import costate_of
 from bridgectl.dampers.fitted import fitted
 from bridgectl.dampers.gains import damping_bounds
+from bridgectl.dampers.legs import Legs, require_dampers
 from bridgectl.dampers.loop.damped import simulate_run
 from bridgectl.dampers.loop.result import LoopResult
+from bridgectl.dampers.optimum.solver import NOT_SOLVED, Solver, Try
 from bridgectl.dampers.optimum.steps import Steps, join, march
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.lift_off import LiftOffWarning
-from bridgectl.linear.runs import prepare
+from bridgectl.linear.start import begin
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
-from bridgectl.model.quarter_car import QuarterCar, require_quarter_car
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
 from bridgectl.road.events import require_road
 
@@ -55,28 +56,8 @@ AGREEMENT = 2e-3
 """Largest difference allowed between the DAF of the steps and that of the closed loop. The damping
 hardly changes with the steps: with half as long ones its DAF is the same within 0.001."""
 
-PULL = 1e-6
-"""Weight of the mean square distance from passive, which decides what the peak leaves open."""
-
-SMALLEST = 1e-6
-"""Least size of a state [m, m/s] that it is divided by: on a smooth road some barely move."""
-
-NOT_SOLVED = "not solved: a constant damping, or bridgehook, is the best found"
-"""Status where no solution of the solver is lower."""
-
 EARLIER = 1e-6
 """How far before an interval's start its damping is given [m]: places of samples are rounded."""
-
-SOLVER: Any = {
-    "print_time": False,
-    "ipopt.print_level": 0,
-    "ipopt.sb": "yes",
-    "ipopt.max_iter": 300,
-    # A thousand bounds share the gap to the optimum: at 1e-5 it is 0.001 of the DAF.
-    "ipopt.tol": 1e-6,
-    "ipopt.mu_strategy": "adaptive",
-}
-"""Options of the solver. Where it stops early its last point is still a damping to simulate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +72,7 @@ class Clairvoyant:
         The same [-] with the vehicle's own damping, kept within the damper's range.
     positions : ndarray, shape (n,)
         Where the intervals start [m].
-    damping : ndarray, shape (n,)
+    damping : ndarray, shape (n,), or (n_dampers, n) of several
         Damping held from there [N s/m].
     step : float
         Time that it is held [s].
@@ -99,6 +80,8 @@ class Clairvoyant:
         Bounds of the damping [N s/m].
     status : str
         What the solver said of the best of its solutions. The numbers above do not depend on it.
+    offsets : ndarray, shape (n_dampers,)
+        How far each damper is behind the reference tire [m], whose places `positions` are.
     """
 
     daf: float
@@ -109,25 +92,33 @@ class Clairvoyant:
     c_min: float
     c_max: float
     status: str
+    offsets: FloatArray = field(default_factory=lambda: np.zeros(1))
 
     def __repr__(self) -> str:
         return (
             f"Clairvoyant(DAF {self.daf:.4f}, passive {self.passive_daf:.4f}, "
-            f"{len(self.damping)} dampings from x = {self.positions[0]:.4g} m to "
+            f"{self.damping.size} dampings from x = {self.positions[0]:.4g} m to "
             f"{self.positions[-1]:.4g} m held {self.step * 1e3:g} ms, c from {self.c_min:g} to "
             f"{self.c_max:g} N s/m)"
         )
 
     @cached_property
-    def damper(self) -> Damper:
-        """The damping as an open-loop damper, for `simulate_loop` at the same speed and start."""
-        return _open_loop(self.positions, self.damping, self.step, self.c_min, self.c_max)
+    def damper(self) -> Damper | list[Damper]:
+        """The damping as an open-loop damper, for `simulate_loop` at the same speed and start.
+
+        Of several dampers a list of one for each.
+        """
+        each = [
+            _open_loop(self.positions - behind, own, self.step, self.c_min, self.c_max)
+            for behind, own in zip(self.offsets, np.atleast_2d(self.damping), strict=True)
+        ]
+        return each[0] if len(each) == 1 else each
 
 
 @on_one_thread
 def clairvoyant(
     beam: BridgeModel,
-    vehicle: QuarterCar,
+    vehicle: Vehicle | QuarterCar,
     speed: float,
     road: RoadProfile,
     c_min: float,
@@ -139,7 +130,7 @@ def clairvoyant(
     recovery: str = "exact",
     effect: Effect | str = "moment",
 ) -> Clairvoyant:
-    """Find the damping that gives one crossing its least peak moment, all of the road known.
+    """Find the dampings that give one crossing its least peak moment, all of the road known.
 
     A reference line for strategies, not a controller: no damper knows the road so well. It is the
     best that a local solver found, from several starts: an upper bound of the true optimum.
@@ -148,8 +139,8 @@ def clairvoyant(
     ----------
     beam, section, recovery, effect
         See `bridgectl.daf`.
-    vehicle : QuarterCar
-        The vehicle; its own damping is where the search starts.
+    vehicle : Vehicle or QuarterCar
+        The vehicle; its own dampings (`damper_dampings`) are where the search starts.
     speed : float
         Speed c [m/s].
     road : RoadProfile
@@ -175,7 +166,7 @@ def clairvoyant(
     Warns
     -----
     LiftOffWarning
-        If the tire leaves the road, which the search knows nothing of.
+        If a tire leaves the road, which the search knows nothing of.
 
     References
     ----------
@@ -193,26 +184,28 @@ def clairvoyant(
     >>> print(f"{best.passive_daf:.2f} passive, {best.daf:.2f} at best")
     1.15 passive, 1.12 at best
     """
-    car = require_quarter_car(vehicle, "the optimum is of one damper alone")
+    require_dampers(vehicle)
     require_road(road)
     soft, stiff = damping_bounds(c_min, c_max)
-    crossing, c = (
-        make_crossing(beam, with_damping(car, 0.0), effect, section, recovery),
-        Motion(speed).speed,
-    )
-    require_factor(crossing)
-    run, speeds = prepare(crossing, road, start), np.array([c])
+    passing, c = make_crossing(beam, vehicle, effect, section, recovery), Motion(speed).speed
+    require_factor(passing)
+    crossing = replace(passing, vehicle=with_damping(vehicle, 0.0))
+    run, speeds = begin(passing, road, start, c)._replace(crossing=crossing), np.array([c])
     judge_crossing(crossing, c, road)
     held = check.positive("step", step, unit="s")
-    own = float(np.clip(vehicle.damping, soft, stiff))
+    own = np.clip(vehicle.linear.damper_dampings, soft, stiff)
+    offsets = Legs(vehicle.linear).offsets
+
     for longest in STEPS:
         steps = join(run, c, held, longest, soft, stiff)
         tries = _tries(steps, vehicle, crossing, c, own)
         peaks = [march(steps, given.shares).peak for given in tries]
         best = tries[int(np.argmin(peaks))]
-        found = steps.damping(best.shares)
-        law = _open_loop(steps.positions, found, held, soft, stiff)
-        optimum = simulate_run(run, fitted(law, vehicle), speeds)
+        found = _of_dampers(steps.damping(best.shares), len(own))
+        result = Clairvoyant(
+            np.nan, np.nan, steps.positions, found, held, soft, stiff, best.status, offsets
+        )
+        optimum = simulate_run(run, fitted(result.damper, vehicle), speeds)
         if _agrees(optimum, crossing.orientation * min(peaks)):
             break
     else:
@@ -221,32 +214,29 @@ def clairvoyant(
             f"{crossing.orientation * min(peaks):.4f}: type a smaller step, for example "
             f"step={min(held, longest) / 2:g}"
         )
-    constant = np.full_like(found, own)
-    law = _open_loop(steps.positions, constant, held, soft, stiff)
-    passive = float(simulate_run(run, fitted(law, vehicle), speeds).daf[0, 0])
+    kept = replace(result, damping=_of_dampers(np.tile(own, len(steps.positions)), len(own)))
+    passive = float(simulate_run(run, fitted(kept.damper, vehicle), speeds).daf[0, 0])
     lowest = float(optimum.daf[0, 0])
     if crossing.orientation * (passive - lowest) <= 0:
-        lowest, found, best = passive, constant, _Try(best.shares, NOT_SOLVED)
-    return Clairvoyant(lowest, passive, steps.positions, found, held, soft, stiff, best.status)
+        lowest, result = passive, replace(kept, status=NOT_SOLVED)
+    return replace(result, daf=lowest, passive_daf=passive)
 
 
-class _Try(NamedTuple):
-    """A damping to compare, as shares of its range in each interval, and the solver's word."""
-
-    shares: FloatArray
-    status: str
+def _of_dampers(values: FloatArray, count: int) -> FloatArray:
+    """Values (n count,) of intervals and dampers as rows of the dampers; of the only one (n,)."""
+    return values if count == 1 else values.reshape(-1, count).T
 
 
 def _tries(
-    steps: Steps, vehicle: QuarterCar, crossing: Crossing, speed: float, own: float
-) -> list[_Try]:
+    steps: Steps, vehicle: Vehicle | QuarterCar, crossing: Crossing, speed: float, own: FloatArray
+) -> list[Try]:
     """What the search starts from, and what it finds."""
     passive = steps.shares(own)
     hook = _bridgehook_shares(steps, vehicle, crossing, speed, passive)
-    plain = [_Try(shares, NOT_SOLVED) for shares in (passive, 0 * passive, 0 * passive + 1, hook)]
+    plain = [Try(shares, NOT_SOLVED) for shares in (passive, 0 * passive, 0 * passive + 1, hook)]
     if steps.c_min == steps.c_max:
         return plain
-    solver = _Solver(steps, passive)
+    solver = Solver(steps, passive)
     return [*plain, solver.solve(passive), solver.solve(hook)]
 
 
@@ -263,107 +253,18 @@ def _agrees(optimum: LoopResult, peak: float) -> bool:
 
 
 def _bridgehook_shares(
-    steps: Steps, vehicle: QuarterCar, crossing: Crossing, speed: float, own: FloatArray
+    steps: Steps, vehicle: Vehicle | QuarterCar, crossing: Crossing, speed: float, own: FloatArray
 ) -> FloatArray:
-    """Shares that bridgehook commands, from the costate of the passive crossing."""
-    passive = replace(crossing, vehicle=vehicle)
-    found = costate_of(passive, speed, -float(steps.positions[0]))
-    sigma = np.interp(steps.positions, *found)
-    past = steps.positions > found.positions[-1]
+    """Shares that bridgehook commands, from the costates of the passive crossing."""
+    passive, n = replace(crossing, vehicle=vehicle), len(steps.masses)
+    found = [costate_of(passive, speed, -float(steps.positions[0]), leg + 1) for leg in range(n)]
+    sigma = np.ravel([np.interp(steps.positions, *each) for each in found], order="F")
+    past = np.repeat(steps.positions > found[0].positions[-1], n)
 
     def choose(i: int, v: float) -> float:
         return float(own[i]) if past[i] else float(sigma[i] * v < 0)
 
     return march(steps, choose).shares
-
-
-class _Solver:
-    """The bilinear program, for several starts.
-
-    Its variables are states and impulses over their size in the passive crossing, the shares, and
-    the peak t.
-    """
-
-    def __init__(self, steps: Steps, own: FloatArray) -> None:
-        self.steps, passive = steps, march(steps, own)
-        n = max(len(state) for state in passive.states)
-        largest = np.max([np.pad(abs(x), (0, n - len(x))) for x in passive.states], axis=0)
-        self.sizes = np.maximum(largest, SMALLEST)
-        self.rate_size = max(float(abs(passive.rates).max()), SMALLEST)
-        self.impulse_size = self.rate_size * float(steps.phi(steps.c_max).max())
-        self.ends = np.cumsum([0, *(len(state) for state in passive.states[1:])])
-        self.n_impulses, self.n_shares = len(steps.each), len(steps.positions)
-        self.solver, self.n_equal, self.n_moments = self._program(own)
-
-    def _program(self, own: FloatArray) -> tuple[Any, int, int]:
-        steps = self.steps
-        dynamics, always = self._assemble([step.end for step in steps.each[:-1]], 1)
-        rates, rates_always = self._assemble([step.rate[np.newaxis] for step in steps.each], 0)
-        moments, moments_always = self._assemble([step.moments for step in steps.each], 0)
-        x, z = ca.MX.sym("x", int(self.ends[-1])), ca.MX.sym("z", self.n_impulses)
-        share, t = ca.MX.sym("share", self.n_shares), ca.MX.sym("t")
-        known = ca.vertcat(x, z)
-        least, most = (steps.phi(c)[steps.interval] for c in (steps.c_min, steps.c_max))
-        which = np.arange(self.n_impulses), steps.interval
-        ranges = sparse.csc_matrix((most - least, which), (self.n_impulses, self.n_shares))
-        phi = ca.DM(least) + ca.DM(ranges) @ share
-        v = rates @ known + rates_always
-        constraints = ca.vertcat(
-            dynamics @ known + always, z - phi * v / self.impulse_size,
-            moments @ known + moments_always - t,
-        )  # fmt: skip
-        cost = t + PULL / self.n_shares * ca.sumsqr(share - ca.DM(own))
-        program: Any = {"x": ca.vertcat(known, share, t), "f": cost, "g": constraints}
-        n_equal = dynamics.shape[0] + self.n_impulses
-        return ca.nlpsol("clairvoyant", "ipopt", program, SOLVER), n_equal, moments.shape[0]
-
-    def _assemble(self, blocks: list[FloatArray], ends: int) -> tuple[Any, Any]:
-        """Stack maps of the steps into one of all states and impulses, and a constant.
-
-        With `ends`, the maps lead to the states at the ends of steps, which are subtracted, and
-        the rows are over the sizes of states.
-        """
-        entries: list[tuple[FloatArray, NDArray[np.intp], NDArray[np.intp]]] = []
-        always, row = [], 0
-        for k, block in enumerate(blocks):
-            m, n = block.shape[0], block.shape[1] - 2
-            rows = row + np.arange(m)
-            over = self.sizes[:m, np.newaxis] if ends else np.ones((m, 1))
-            columns = self.ends[-1] + np.array([k])
-            entries.append(_entries(block[:, [-2]] * self.impulse_size / over, rows, columns))
-            if k:  # the first step starts in equilibrium
-                columns = self.ends[k - 1] + np.arange(n)
-                entries.append(_entries(block[:, :-2] * self.sizes[:n] / over, rows, columns))
-            if ends:
-                entries.append(_entries(-np.eye(m), rows, self.ends[k] + np.arange(m)))
-            always.append(block[:, -1] / over[:, 0])
-            row += m
-        values, i, j = (np.concatenate(part) for part in zip(*entries, strict=True))
-        shape = row, int(self.ends[-1]) + self.n_impulses
-        matrix = sparse.csc_matrix((values, (i, j)), shape)
-        matrix.eliminate_zeros()
-        return ca.DM(matrix), ca.DM(np.concatenate(always))
-
-    def solve(self, shares: FloatArray) -> _Try:
-        """Look for the optimum from a damping."""
-        run = march(self.steps, shares)
-        states = [state / self.sizes[: len(state)] for state in run.states[1:]]
-        guess = np.concatenate([*states, run.impulses / self.impulse_size, shares, [run.peak]])
-        low, high = np.full(len(guess), -np.inf), np.full(len(guess), np.inf)
-        low[-1 - self.n_shares : -1], high[-1 - self.n_shares : -1] = 0.0, 1.0
-        lowest = np.append(np.zeros(self.n_equal), np.full(self.n_moments, -np.inf))
-        found = self.solver(x0=guess, lbx=low, ubx=high, lbg=lowest, ubg=0.0)
-        best = np.clip(np.array(found["x"])[-1 - self.n_shares : -1, 0], 0.0, 1.0)
-        if not np.all(np.isfinite(best)):
-            return _Try(shares, NOT_SOLVED)
-        return _Try(best, str(self.solver.stats()["return_status"]))
-
-
-def _entries(
-    block: FloatArray, rows: NDArray[np.intp], columns: NDArray[np.intp]
-) -> tuple[FloatArray, NDArray[np.intp], NDArray[np.intp]]:
-    """Values, rows and columns of a block of a sparse matrix."""
-    return block.ravel(), np.repeat(rows, len(columns)), np.tile(columns, len(rows))
 
 
 def _open_loop(
