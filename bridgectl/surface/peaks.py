@@ -13,7 +13,7 @@ from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import SAMPLES, Cells, bridge_entry, build_cells
 from bridgectl.linear.fine import fine_maps, pieces_of
 from bridgectl.linear.peaks import WAVES, find_peaks, highest
-from bridgectl.linear.runs import Run, prepare, propagate
+from bridgectl.linear.runs import Run, prepare, propagate, speed_batches
 from bridgectl.surface.factored import FactoredHistories
 from bridgectl.surface.histories import Histories, superposed, under_tires
 from bridgectl.surface.ramps import UnitRamps
@@ -61,8 +61,11 @@ class HistoryPeaks:
     def smooth_states(self) -> FloatArray:
         """States on the smooth road at the nodes on the bridge, (S, C + 1, n)."""
         nodes, approach = self.histories.nodes, self.run.nodes(float(self.speeds.min()), wide=True)
-        before = approach[: bridge_entry(approach)]
-        return propagate(self.run, self.speeds, np.concatenate([before, nodes]))[-1].states
+        every = np.concatenate([approach[: bridge_entry(approach)], nodes])
+        batches = speed_batches(self.run, self.speeds)
+        return np.concatenate(
+            [propagate(self.run, self.speeds[batch], every)[-1].states for batch in batches]
+        )
 
     def cells_of(self, speed: int, first: int, last: int) -> tuple[Cells, int, int]:
         """Cells from the first to before the last, among others: from which on, and their speed."""
