@@ -14,6 +14,7 @@ from bridgectl.linear.runs import first_flight, linear_contact, prepare, speed_b
 UM = 1e-6
 
 
+@pytest.mark.filterwarnings("ignore:start = -12 m is not forgotten")
 @pytest.mark.parametrize(
     "seed", [*range(8), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(8, 20))]
 )
