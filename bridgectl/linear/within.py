@@ -27,18 +27,13 @@ def all_samples(
     pieces = mode_pieces(crossing, float(speed[0]), nodes, refine)
     if pieces == 1:
         return every, states, forces
-    points = np.arange(1, pieces) / pieces
-    before = len(every) - len(nodes)
-    within = bridge_samples(crossing, speed, stretches[-1], points)
+    points, before = np.arange(1, pieces) / pieces, len(every) - len(nodes)
     places = nodes[:-1, np.newaxis] + np.diff(nodes)[:, np.newaxis] * np.append(0.0, points)
     places = np.concatenate([every[:before], places.ravel(), nodes[-1:]])
-    states, forces = (
-        np.hstack([known[:, :before], found[0].T])
-        for known, found in zip((states, forces), within, strict=True)
-    )
+    within, _ = bridge_samples(crossing, speed, stretches[-1], points)
+    states = np.hstack([states[:, :before], within[0].T])
     # Near the ends of cells the states tell the forces better than the stages do.
-    on_bridge = run.forces(places[before:], states.T[before:], np.full(len(places) - before, speed))
-    return places, states, np.hstack([forces[:, :before], on_bridge.T])
+    return places, states, run.forces(places, states.T, np.full(len(places), speed)).T
 
 
 def bridge_samples(
