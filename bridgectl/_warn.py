@@ -14,7 +14,17 @@ HERE = Path(__file__).parent
 
 COMMAND_LINE = tuple(
     str(HERE / "cli" / f"{name}.py")
-    for name in ("main", "dae", "score", "options", "bridges", "bridge_file", "trucks")
+    for name in (
+        "main",
+        "assess",
+        "dae",
+        "score",
+        "options",
+        "bridges",
+        "bridge_file",
+        "roads",
+        "trucks",
+    )
 )
 """Modules that call the package as a user does."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -13,17 +12,12 @@ import numpy as np
 import bridgectl as bc
 from bridgectl import _checks as check
 from bridgectl._units import from_kmh
-from bridgectl._work import Work, at_most, require_feasible
-from bridgectl.cli import bridges, options
+from bridgectl.cli import bridges, options, roads
 from bridgectl.cli.effects import asked_effects
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.surface.compute import RAMP_LENGTH
 
 if TYPE_CHECKING:
     from bridgectl.dampers import Damper, Strategy
-
-STATION = 678.0
-"""Where the bridge is in the measured road that comes with the program [m]."""
 
 RANDOM_CLASSES = "AB"
 """ISO 8608 classes of the random roads."""
@@ -109,10 +103,10 @@ def run_score(args: argparse.Namespace) -> None:
     beam, vehicle = bridges.make_bridge(args), cast(Any, options.make_vehicle(args))
     (asked,) = asked_effects(args, beam, vehicle)
     dampers = _dampers(args, beam, vehicle)
-    roads = _roads(args, beam.length)
+    over = _roads(args, beam.length)
     with options.resumed(args.resume):
         board = bc.score(
-            dampers, beam, vehicle, roads, speeds, approach=args.approach,
+            dampers, beam, vehicle, over, speeds, approach=args.approach,
             departure=args.departure, section=args.section, recovery=args.recovery,
             resume=args.resume, workers=args.workers,
         )  # fmt: skip
@@ -190,64 +184,11 @@ def _roads(args: argparse.Namespace, span: float) -> list[bc.RoadProfile]:
     options.check_ramps("--approach", args.approach)
     options.check_ramps("--departure", args.departure)
     check.integer("--random", args.random, at_least=0)
-    if args.roads:
-        roads = [_file_road(args, path, span) for path in _different(args.roads)]
-    else:
-        options.refuse_file_options(args)
-        whole = bc.utia_road()
-        station = max(STATION, float(whole.x[0]) + args.approach)
-        road, _ = options.place_road(
-            args, whole, "that comes with the program", span,
-            station=station, departure=args.departure,
-        )  # fmt: skip
-        roads = [road]
-    return _named_apart(roads, args.roads) + _random_roads(args, span)
-
-
-def _file_road(args: argparse.Namespace, path: Path, span: float) -> bc.RoadProfile:
-    whole = bc.read_profile(path, track=args.track, **options.file_arguments(args))
-    return options.place_road(args, whole, str(path), span, departure=args.departure)[0]
-
-
-def _different(paths: Sequence[Path]) -> Sequence[Path]:
-    """Check that no file is given twice: it would look like more evidence than there is."""
-    whole = [path.resolve() for path in paths]
-    for path, found in zip(paths, whole, strict=True):
-        if whole.count(found) > 1:
-            raise ValueError(f"{path} is given twice: each road counts once")
-    return paths
-
-
-def _named_apart(roads: list[bc.RoadProfile], paths: Sequence[Path]) -> list[bc.RoadProfile]:
-    """Name roads by their paths where files of different folders have one name."""
-    names = [road.name for road in roads]
-    if len(set(names)) == len(names):
-        return roads
-    return [
-        road._measured_as(road.measured_step, str(path))
-        for road, path in zip(roads, paths, strict=True)
-    ]
-
-
-def _require_feasible(number: int, length: float) -> None:
-    """Refuse more random roads than can be made and kept."""
-
-    def work(**given: float) -> Work:
-        roads = len(RANDOM_CLASSES) * given["--random"]
-        return Work(4 * 8 * roads * length / RAMP_LENGTH, 2e-3 * roads)
-
-    require_feasible(work, {"--random": at_most(number, 100)})
-
-
-def _random_roads(args: argparse.Namespace, span: float) -> list[bc.RoadProfile]:
-    """Random roads, of which the first ones stay the same when more are asked for."""
+    own = (
+        roads.file_roads(args, span, args.departure)
+        if args.roads
+        else [roads.measured_road(args, span, args.departure)]
+    )
     length = args.approach + span + args.departure
-    _require_feasible(args.random, length)
-    found = []
-    for iso_class in RANDOM_CLASSES:
-        for number in range(1, args.random + 1):
-            rng = np.random.default_rng((ord(iso_class), number))
-            road = bc.iso8608_profile(iso_class, length, seed=rng, start=-args.approach)
-            name = f"class {iso_class}, {number}"
-            found.append(road._measured_as(road.measured_step, name))
-    return found
+    random = roads.random_roads(RANDOM_CLASSES, args.random, args.approach, length)
+    return own + [road for of_class in random.values() for road in of_class]

@@ -1,0 +1,80 @@
+"""Roads of a study on the command line: files, the measured road, random ones of a class."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+import bridgectl as bc
+from bridgectl._work import Work, at_most, require_feasible
+from bridgectl.cli import options
+from bridgectl.surface.compute import RAMP_LENGTH
+
+STATION = 678.0
+"""Where the bridge is in the measured road that comes with the program [m]."""
+
+
+def file_roads(args: argparse.Namespace, span: float, departure: float) -> list[bc.RoadProfile]:
+    """Roads of the files, under approach, bridge and departure [m], with names of their own."""
+    roads = []
+    for path in _different(args.roads):
+        whole = bc.read_profile(path, track=args.track, **options.file_arguments(args))
+        roads.append(options.place_road(args, whole, str(path), span, departure=departure)[0])
+    return _named_apart(roads, args.roads)
+
+
+def measured_road(args: argparse.Namespace, span: float, departure: float) -> bc.RoadProfile:
+    """The road that comes with the program, under approach, bridge and departure [m]."""
+    options.refuse_file_options(args)
+    whole = bc.utia_road()
+    station = max(STATION, float(whole.x[0]) + args.approach)
+    return options.place_road(
+        args, whole, "that comes with the program", span, station=station, departure=departure
+    )[0]
+
+
+def random_roads(
+    classes: Sequence[str], number: int, approach: float, length: float
+) -> dict[str, list[bc.RoadProfile]]:
+    """Random roads of classes, of which the first ones stay the same when more are asked for.
+
+    From `approach` [m] before the bridge on, `length` [m] in all.
+    """
+
+    def work(**given: float) -> Work:
+        roads = len(classes) * given["--random"]
+        return Work(4 * 8 * roads * length / RAMP_LENGTH, 2e-3 * roads)
+
+    require_feasible(work, {"--random": at_most(number, 100)})
+    found: dict[str, list[bc.RoadProfile]] = {}
+    for iso_class in classes:
+        found[iso_class] = []
+        for k in range(1, number + 1):
+            rng = np.random.default_rng((ord(iso_class), k))
+            road = bc.iso8608_profile(iso_class, length, seed=rng, start=-approach)
+            name = f"class {iso_class}, {k}"
+            found[iso_class].append(road._measured_as(road.measured_step, name))
+    return found
+
+
+def _different(paths: Sequence[Path]) -> Sequence[Path]:
+    """Check that no file is given twice: it would look like more evidence than there is."""
+    whole = [path.resolve() for path in paths]
+    for path, found in zip(paths, whole, strict=True):
+        if whole.count(found) > 1:
+            raise ValueError(f"{path} is given twice: each road counts once")
+    return paths
+
+
+def _named_apart(roads: list[bc.RoadProfile], paths: Sequence[Path]) -> list[bc.RoadProfile]:
+    """Name roads by their paths where files of different folders have one name."""
+    names = [road.name for road in roads]
+    if len(set(names)) == len(names):
+        return roads
+    return [
+        road._measured_as(road.measured_step, str(path))
+        for road, path in zip(roads, paths, strict=True)
+    ]

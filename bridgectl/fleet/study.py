@@ -1,0 +1,149 @@
+"""What is assessed: crossings of random trucks on roads, and what is drawn for each of them.
+
+Crossing i of a seed is the same whoever computes it, in any order: what is drawn for it stands in
+row i of a table of random numbers that is never made as a whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from bridgectl.fleet.fleet import Fleet, Passing
+from numpy.typing import NDArray
+
+from bridgectl import _checks as check
+from bridgectl._checks import FloatArray
+from bridgectl.dampers.fitted import Dampers
+from bridgectl.model.bridge import BridgeModel, described
+from bridgectl.model.effect import Effect
+from bridgectl.road import RoadProfile
+
+Road = RoadProfile | None
+"""A road, or a smooth one."""
+
+DRAWN = 8
+"""Random numbers of a crossing: see `Draws`."""
+
+SHARE = 500
+"""Crossings of one share of the work: what an interruption may cost, and arrays that fit."""
+
+HOUR = 3600.0
+
+FAR_ON = 2**32
+"""By how many numbers trucks from the other end are further on in a fleet without end."""
+
+
+class Draws(NamedTuple):
+    """What is drawn for crossings, each of shape (n,)."""
+
+    road: FloatArray
+    """Which of the roads of a quality, as a fraction."""
+    damper: FloatArray
+    """Below the share of the fleet with dampers: the truck has them."""
+    meeting: FloatArray
+    """Below the probability of a meeting: another truck comes from the other end."""
+    partner: FloatArray
+    """Which truck that is, as a fraction."""
+    when: FloatArray
+    """When it comes: a fraction of the time in which they meet."""
+
+    @classmethod
+    def of(cls, seed: int, crossings: range) -> Draws:
+        """Draw what belongs to some crossings, one after the other."""
+        numbers = np.random.Philox(key=seed)
+        numbers.advance(crossings.start * DRAWN // 4)  # it makes four at a time
+        table = np.random.Generator(numbers).random((len(crossings), DRAWN))
+        return cls(*table.T[: len(cls._fields)])
+
+
+@dataclass(frozen=True)
+class Study:
+    """What all shares of the work have in common; small, for it goes with each of them."""
+
+    bridge: BridgeModel
+    fleet: Fleet
+    roads: Mapping[str, tuple[Road, ...]]
+    """Roads by the name of their quality."""
+    effects: tuple[Effect, ...]
+    approach: float
+    seed: int
+    damper: Dampers | None
+    damper_share: float
+    meeting_rate: float
+    """Trucks an hour that come from the other end."""
+    lane_factor: float
+
+    def partner(self, i: int, drawn: float) -> int:
+        """Which truck of the fleet meets truck i, if one does."""
+        return FAR_ON + i if self.fleet.size is None else int(drawn * self.fleet.size)
+
+    def damped(self, crossings: range) -> NDArray[np.intp]:
+        """Which of some crossings, counted from their first, are made with the damper, too."""
+        if self.damper is None:
+            return np.zeros(0, dtype=np.intp)
+        return np.flatnonzero(Draws.of(self.seed, crossings).damper < self.damper_share)
+
+    def header(self, names: Sequence[str]) -> dict[str, Any]:
+        """What two studies share if their parts fit together."""
+        import joblib  # late, as it is slow to load
+
+        of_roads = {
+            quality: [None if road is None else (road.x, road.elevation) for road in roads]
+            for quality, roads in self.roads.items()
+        }
+        return {
+            "bridge": described(self.bridge),
+            "fleet": [repr(self.fleet), joblib.hash(self.fleet)],
+            "roads": [list(self.roads), joblib.hash(of_roads)],
+            "effects": dict(zip(names, map(repr, self.effects), strict=True)),
+            "approach": self.approach,
+            "seed": self.seed,
+            "damper": None if self.damper is None else repr(self.damper),
+            "damper_share": self.damper_share,
+            "meeting_rate": self.meeting_rate,
+            "lane_factor": self.lane_factor,
+        }
+
+
+def checked_roads(roads: Any, start: float, length: float) -> dict[str, tuple[Road, ...]]:
+    """Roads by the name of their quality, which cover approach and bridge."""
+    given = roads if isinstance(roads, Mapping) else {"": roads}
+    if not given:
+        raise ValueError("roads must hold a road, got none: type None for a smooth one")
+    found = {}
+    for quality, own in given.items():
+        if not isinstance(quality, str):
+            raise TypeError(f"roads must have names of qualities for keys, got {quality!r}")
+        listed = [own] if own is None or isinstance(own, RoadProfile) else own
+        if not isinstance(listed, Sequence) or not all(
+            road is None or isinstance(road, RoadProfile) for road in listed
+        ):
+            raise TypeError(
+                f"roads must be RoadProfile, a list of them, or such by the name of a quality, got "
+                f"{own!r:.60}: type for example {{'A': [bridgectl.iso8608_profile('A', 125, "
+                "seed=1, start=-100)]}"
+            )
+        if not listed:
+            raise ValueError(f"roads must hold a road of each quality, got none of {quality!r}")
+        for number, road in enumerate(listed, 1):
+            if road is not None:
+                named = f" of {quality}" if quality else ""
+                road.require(start, length, f"the crossing, of road {number}{named},", "approach")
+        found[quality] = tuple(listed)
+    return found
+
+
+def checked_share(name: str, value: float) -> float:
+    """A share from 0 to 1."""
+    share = check.not_negative(name, value)
+    if share > 1:
+        raise ValueError(f"{name} must be at most 1, got {share:g}: type {share / 100:g}")
+    return share
+
+
+def time_on_bridge(passing: Passing, length: float) -> float:
+    """Time from a truck's first tire on the bridge to its last one off it [s]."""
+    return (length + float(passing.vehicle.linear.tire_offsets.max())) / passing.speed
