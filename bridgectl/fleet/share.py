@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from bridgectl.fleet.fleet import Passing
@@ -11,14 +12,14 @@ from bridgectl.linear.many import many_crossings
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
-from bridgectl._threads import on_one_thread
-from bridgectl.fleet.study import HOUR, Draws, Road, Study, time_on_bridge
+from bridgectl.fleet.study import HOUR, Draws, Road, Share, Study, time_on_bridge
+from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.traffic import convoy
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.simulate import daf
 
-OF_TRUCKS = ("truck", "kind", "speed", "gross_weight", "n_axles", "meeting")
+OF_TRUCKS = ("kind", "speed", "gross_weight", "n_axles", "meeting")
 """What is told of each crossing, whatever the road; `OF_CROSSINGS` of each road, too."""
 
 OF_CROSSINGS = ("road", "least_tire_force")
@@ -26,7 +27,7 @@ OF_CROSSINGS = ("road", "least_tire_force")
 OF_EFFECTS = ("static", "total", "place")
 """What is told of each crossing and effect; times follow from places."""
 
-Part = dict[str, FloatArray]
+Part = dict[str, NDArray[Any]]
 """Arrays of a share: (n,) of trucks, (qualities, n) of crossings, (effects, qualities, n)."""
 
 
@@ -50,35 +51,38 @@ class _Meant(NamedTuple):
     meeting: bool
 
 
-@on_one_thread
-def simulate_share(study: Study, crossings: range) -> Part:
-    """Simulate some crossings, one after the other: see `Part`."""
-    draws = Draws.of(study.seed, crossings)
-    meant = [_meant(study, i, draws, k) for k, i in enumerate(crossings)]
-    passings = [each.passing for each in meant]
-    kinds = {kind: code for code, kind in enumerate(study.fleet.kinds)}
-    roads = [np.floor(draws.road * len(own)).astype(int) for own in study.roads.values()]
-    part = {
-        "truck": np.array(crossings, float) % (study.fleet.size or np.inf),
-        "kind": np.array([kinds[each.kind] for each in passings], float),
+def simulate_share(share: Share) -> Part:
+    """Simulate some crossings: see `Part`."""
+    study, draws = share.study, Draws.of(share.study.seed, share.crossings)
+    with warnings.catch_warnings(action="ignore", category=LiftOffWarning):  # the least force tells
+        meant = [_meant(share, k, draws) for k in range(len(share.crossings))]
+        part = _told(share, [each.passing for each in meant])
+        part["meeting"] = np.array([each.meeting for each in meant])
+        part |= _simulated(share, meant)
+        damped = study.damped(share.crossings)
+        return part | ({"damped": _damped(share, meant, damped)} if damped.size else {})
+
+
+def _told(share: Share, passings: Sequence[Passing]) -> Part:
+    """What is told of each truck, and of the roads."""
+    kinds = {kind: code for code, kind in enumerate(share.study.kinds)}
+    vehicles = [each.vehicle.linear for each in passings]
+    return {
+        "kind": np.array([kinds[each.kind] for each in passings]),
         "speed": np.array([each.speed for each in passings]),
-        "gross_weight": np.array([each.vehicle.linear.static_loads.sum() for each in passings]),
-        "n_axles": np.array([each.vehicle.linear.n_tires for each in passings], float),
-        "meeting": np.array([each.meeting for each in meant], float),
-        "road": np.array(roads, float),
-        **_simulated(study, meant, roads),
+        "gross_weight": np.array([vehicle.static_loads.sum() for vehicle in vehicles]),
+        "n_axles": np.array([vehicle.n_tires for vehicle in vehicles]),
+        "road": share.numbers,
     }
-    damped = study.damped(crossings)
-    return part | ({"damped": _damped(study, meant, roads, damped)} if damped.size else {})
 
 
-def _meant(study: Study, i: int, draws: Draws, k: int) -> _Meant:
-    """Crossing i, row k of what is drawn."""
-    own = study.fleet.passing(i)
+def _meant(share: Share, k: int, draws: Draws) -> _Meant:
+    """Crossing k of a share."""
+    study, own = share.study, share.study.fleet.passing(k)
     alone = _Meant(own, own.vehicle, own.speed, -study.approach, False)
     if not study.meeting_rate:
         return alone
-    other = study.fleet.passing(study.partner(i, draws.partner[k]))
+    other = study.fleet.passing(len(share.crossings) + k)
     mine, theirs = (time_on_bridge(each, study.bridge.length) for each in (own, other))
     # Trucks that come at random: whether one does while both would be on the bridge.
     if draws.meeting[k] >= -np.expm1(-study.meeting_rate / HOUR * (mine + theirs)):
@@ -91,7 +95,8 @@ def _meant(study: Study, i: int, draws: Draws, k: int) -> _Meant:
         lane_factors=[1.0 if each is own else study.lane_factor for each in (first, second)],
         motions=[first.speed, second.speed],
     )  # fmt: skip
-    start = _start(study, i, abs(later) * second.speed, second.speed / first.speed)
+    behind, faster = abs(later) * second.speed, second.speed / first.speed
+    start = _start(study, share.crossings[k], behind, faster)
     return _Meant(own, vehicle, first.speed, start, True)
 
 
@@ -107,20 +112,21 @@ def _start(study: Study, i: int, behind: float, faster: float) -> float:
     return -min(study.approach, (study.approach - behind) / faster)
 
 
-def _simulated(study: Study, meant: Sequence[_Meant], roads: Sequence[NDArray[np.intp]]) -> Part:
+def _simulated(share: Share, meant: Sequence[_Meant]) -> Part:
     """What `OF_EFFECTS` and the least tire force are, without semi-active dampers."""
-    n, by_road, effects = len(meant), len(roads), len(study.effects)
+    study, n = share.study, len(meant)
+    by_road, effects = len(study.roads), len(study.effects)
     found: Part = {name: np.empty((effects, by_road, n)) for name in OF_EFFECTS}
     found["least_tire_force"] = np.empty((by_road, n))
-    alone = np.flatnonzero([not each.meeting for each in meant])
-    for own in [alone, *np.flatnonzero([each.meeting for each in meant])[:, np.newaxis]]:
+    meeting = np.array([each.meeting for each in meant])
+    for own in [np.flatnonzero(~meeting), *np.flatnonzero(meeting)[:, np.newaxis]]:
         if not own.size:
             continue
         many = many_crossings(
             study.bridge,
-            [meant[i].vehicle for i in own] * by_road,
-            np.tile([meant[i].speed for i in own], by_road),
-            [road for q in range(by_road) for road in _roads(study, q, roads[q][own])],
+            [meant[k].vehicle for k in own] * by_road,
+            np.tile([meant[k].speed for k in own], by_road),
+            [road for roads in _roads(share, own) for road in roads],
             meant[own[0]].start, study.effects,
         )  # fmt: skip
         for name in OF_EFFECTS:
@@ -129,22 +135,20 @@ def _simulated(study: Study, meant: Sequence[_Meant], roads: Sequence[NDArray[np
     return found
 
 
-def _damped(
-    study: Study, meant: Sequence[_Meant], roads: Sequence[NDArray[np.intp]],
-    damped: NDArray[np.intp],
-) -> FloatArray:  # fmt: skip
-    """Factors of some crossings with semi-active dampers."""
-    found = np.empty((len(study.effects), len(roads), len(damped)))
-    for q, own in enumerate(roads):
-        for k, (i, road) in enumerate(zip(damped, _roads(study, q, own[damped]), strict=True)):
-            found[:, q, k] = daf(
-                study.bridge, meant[i].vehicle, meant[i].speed, road, start=meant[i].start,
-                effect=list(study.effects), damper=study.damper, progress=False,
-            )[:, 0]  # fmt: skip
-    return found
+def _damped(share: Share, meant: Sequence[_Meant], damped: NDArray[np.intp]) -> FloatArray:
+    """Factors of some crossings with semi-active dampers, (effects, qualities, n)."""
+    study = share.study
+    factors = [
+        daf(
+            study.bridge, meant[k].vehicle, meant[k].speed, road, start=meant[k].start,
+            effect=list(study.effects), damper=study.damper, progress=False,
+        )[:, 0]
+        for roads in _roads(share, damped) for k, road in zip(damped, roads, strict=True)
+    ]  # fmt: skip
+    return np.moveaxis(np.reshape(factors, (len(study.roads), len(damped), -1)), -1, 0)
 
 
-def _roads(study: Study, quality: int, numbers: NDArray[np.intp]) -> list[Road]:
-    """Roads of a quality, by number of quality and roads."""
-    own = list(study.roads.values())[quality]
-    return [own[number] for number in numbers]
+def _roads(share: Share, own: NDArray[np.intp]) -> list[list[Road]]:
+    """Roads of some crossings, by quality."""
+    each = zip(share.study.roads.values(), share.numbers[:, own].tolist(), strict=True)
+    return [[roads[number] for number in numbers] for roads, numbers in each]

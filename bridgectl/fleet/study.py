@@ -7,7 +7,7 @@ row i of a table of random numbers that is never made as a whole.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -59,14 +59,24 @@ class Draws(NamedTuple):
         return cls(*table.T[: len(cls._fields)])
 
 
+class Share(NamedTuple):
+    """Some crossings, one after the other."""
+
+    study: Study
+    """With no more than the trucks that cross, then those that they may meet, and their roads."""
+    crossings: range
+    numbers: NDArray[np.intp]
+    """Of the road of each quality, (qualities, n)."""
+
+
 @dataclass(frozen=True)
 class Study:
-    """What all shares of the work have in common; small, for it goes with each of them."""
+    """What all shares of the work have in common."""
 
     bridge: BridgeModel
     fleet: Fleet
-    roads: Mapping[str, tuple[Road, ...]]
-    """Roads by the name of their quality."""
+    roads: Mapping[str, Mapping[int, Road]]
+    """Roads by the name of their quality, and by number."""
     effects: tuple[Effect, ...]
     approach: float
     seed: int
@@ -76,9 +86,26 @@ class Study:
     """Trucks an hour that come from the other end."""
     lane_factor: float
 
-    def partner(self, i: int, drawn: float) -> int:
-        """Which truck of the fleet meets truck i, if one does."""
-        return FAR_ON + i if self.fleet.size is None else int(drawn * self.fleet.size)
+    def partners(self, crossings: range, draws: Draws) -> NDArray[np.intp]:
+        """Which trucks of the fleet meet those of some crossings, where one does."""
+        size = self.fleet.size
+        if size is None:
+            return FAR_ON + np.array(crossings)
+        return np.floor(draws.partner * size).astype(int)
+
+    def share(self, crossings: range) -> Share:
+        """Some crossings, with what they need and no more."""
+        draws = Draws.of(self.seed, crossings)
+        trucks = np.array(crossings)
+        if self.meeting_rate:
+            trucks = np.append(trucks, self.partners(crossings, draws))
+        numbers = [np.floor(draws.road * len(own)).astype(int) for own in self.roads.values()]
+        used = {
+            quality: {number: own[number] for number in np.unique(of).tolist()}
+            for (quality, own), of in zip(self.roads.items(), numbers, strict=True)
+        }
+        alone = replace(self, fleet=self.fleet.part(trucks), roads=used)
+        return Share(alone, crossings, np.array(numbers))
 
     def damped(self, crossings: range) -> NDArray[np.intp]:
         """Which of some crossings, counted from their first, are made with the damper, too."""
@@ -91,12 +118,12 @@ class Study:
         import joblib  # late, as it is slow to load
 
         of_roads = {
-            quality: [None if road is None else (road.x, road.elevation) for road in roads]
+            quality: [None if road is None else (road.x, road.elevation) for road in roads.values()]
             for quality, roads in self.roads.items()
         }
         return {
             "bridge": described(self.bridge),
-            "fleet": [repr(self.fleet), joblib.hash(self.fleet)],
+            "fleet": [repr(self.fleet), joblib.hash(asdict(self.fleet.source))],
             "roads": [list(self.roads), joblib.hash(of_roads)],
             "effects": dict(zip(names, map(repr, self.effects), strict=True)),
             "approach": self.approach,
@@ -108,7 +135,7 @@ class Study:
         }
 
 
-def checked_roads(roads: Any, start: float, length: float) -> dict[str, tuple[Road, ...]]:
+def checked_roads(roads: Any, start: float, length: float) -> dict[str, dict[int, Road]]:
     """Roads by the name of their quality, which cover approach and bridge."""
     given = roads if isinstance(roads, Mapping) else {"": roads}
     if not given:
@@ -132,7 +159,7 @@ def checked_roads(roads: Any, start: float, length: float) -> dict[str, tuple[Ro
             if road is not None:
                 named = f" of {quality}" if quality else ""
                 road.require(start, length, f"the crossing, of road {number}{named},", "approach")
-        found[quality] = tuple(listed)
+        found[quality] = dict(enumerate(listed))
     return found
 
 
