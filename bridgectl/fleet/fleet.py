@@ -193,8 +193,8 @@ class Fleet:
         decimal : {'.', ','}, optional
             Decimal mark. Default: as the numbers have it.
         axles : str or path-like, optional
-            A TOML file like ``bridgectl/fleet/data/axles.toml``, which is the default: stiff
-            springs from the field's Monte Carlo studies.
+            A TOML file like ``bridgectl/fleet/data/axles.toml``, which is the default: soft
+            springs as of T5air in the catalog, and how far they vary in Monte Carlo studies.
         seed : int, optional
             Another seed draws other springs under the same loads.
 

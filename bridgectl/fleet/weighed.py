@@ -132,16 +132,15 @@ class _Weighed:
         self.n = sum(map(len, groups[:2]))
         """How many axles the rigid truck or the tractor has."""
         self.numbers = numbers
-        self.where = [
-            ("trailer" if i >= self.n else "drive") if i else "steer" for i in range(len(loads))
-        ]
+        steering = len(groups[0]) if len(groups) > 1 else 1
+        self.where = ["steer"] * steering + ["drive"] * (self.n - steering)
+        self.where += ["trailer"] * (len(loads) - self.n)
         self.places = np.concatenate([[0.0], np.cumsum(spacings)])
         self.mass = np.minimum(self.of_axles("mass"), HEAVIEST_AXLE * loads / GRAVITY)
         self.sprung = loads - self.mass * GRAVITY
         self.spring, self.tire = map(self.of_axles, OF_AXLE[1:3])
         self.sag = self.sprung / self.spring + loads / self.tire
-        last = slice(len(groups[0]) if len(groups) > 1 else 1, self.n)
-        self.ends = (slice(0, last.start), last)
+        self.ends = (slice(0, steering), slice(steering, self.n))
         """The first and the last group of the rigid truck or the tractor."""
 
     def of_axles(self, key: str) -> FloatArray:
