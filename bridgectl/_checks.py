@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Set
 from difflib import get_close_matches
+from math import isfinite
 from numbers import Real
 from typing import Any
 
@@ -27,6 +28,8 @@ class UnloadedTireError(ValueError):
 
 def number(name: str, value: Any, *, unit: str = "") -> float:
     """Return `value` as a finite float, or say which argument is not one."""
+    if type(value) is float and isfinite(value):  # almost always
+        return value
     zero_d = isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "iuf"
     if isinstance(value, bool) or not (isinstance(value, Real) or zero_d):
         raise TypeError(f"{name} must be one number{_in(unit)}, got {_short(value)}{_hint(value)}")
@@ -94,10 +97,10 @@ def array(
 ) -> FloatArray:
     """Return a read-only float copy of `value` of the given shape (None: any length)."""
     result = floats(name, value, unit=unit)
-    expected = tuple("n" if size is None else size for size in shape)
     if result.ndim != len(shape) or any(
         want is not None and want != got for want, got in zip(shape, result.shape, strict=True)
     ):
+        expected = tuple("n" if size is None else size for size in shape)
         shown = "(" + ", ".join(map(str, expected)) + ("," if len(expected) == 1 else "") + ")"
         remedy = f": type [{result:g}]" if result.ndim == 0 and len(shape) == 1 else ""
         if result.ndim > len(shape) == 1:
@@ -137,7 +140,7 @@ def _of_numbers(given: NDArray[Any]) -> bool:
 
 def finite(name: str, values: FloatArray, *, unit: str = "") -> None:
     """Refuse NaN and infinity, with the first place where there is one."""
-    if not np.all(np.isfinite(values)):
+    if not np.isfinite(values).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(values))[0])
         raise ValueError(f"{name} must be finite{_in(unit)}, got {values[where]} at index {where}")
 

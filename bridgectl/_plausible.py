@@ -129,6 +129,11 @@ def judge_crossing(
     judge_roads(*roads)
 
 
+def judge_speed(name: str, speed: float) -> None:
+    """Warn of a speed [m/s] of no truck."""
+    _tell(_speed_doubts(name, speed, f"for {speed:.4g} km/h type {speed:.4g} / 3.6"))
+
+
 def judge_load(crossing: Crossing) -> None:
     """Warn of a vehicle that does not go with the bridge."""
     _tell(_load_doubts(crossing))

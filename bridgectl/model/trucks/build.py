@@ -211,14 +211,16 @@ class _Frame:
     def __init__(self, bodies: Sequence[Body], hinge: Sequence[float]) -> None:
         self.bodies, self.hinge = bodies, hinge
         self.axles = [axle for body in bodies for axle in body.axles]
+        self.places = [body.tire_places for body in bodies]
         tags = [""] if len(bodies) == 1 else [str(i + 1) for i in range(len(bodies))]
         self.names = ["yB" + tags[0], *("thB" + tag for tag in tags)]
         for i, axle in enumerate(self.axles, start=1):
             self.names += [f"yG{i}", *([f"thG{i}"] if axle.inertia else [])]
+        self._units = dict(zip(self.names, np.eye(len(self.names)), strict=True))
 
     def unit(self, name: str) -> FloatArray:
         """The row of a coordinate."""
-        return np.eye(len(self.names))[self.names.index(name)]
+        return self._units[name]
 
     def pitch(self, i: int) -> FloatArray:
         """The row of the pitch of a body."""
@@ -232,7 +234,7 @@ class _Frame:
 
     def behind(self, i: int, place: float) -> float:
         """How far a place of a body is behind the first axle [m]."""
-        first = self.bodies[0].tire_places[0]
+        first = self.places[0][0]
         return place - first if i == 0 else self.hinge[0] - first + place - self.hinge[1]
 
     def hubs(self, number: int) -> list[FloatArray]:
@@ -244,7 +246,7 @@ class _Frame:
 
     def ends(self, i: int) -> tuple[float, float]:
         """Places where a body is drawn to begin and end [m]; a trailer begins at the hinge."""
-        places = self.bodies[i].tire_places
+        places = self.places[i]
         first = places[0] - OVERHANG if i == 0 else self.hinge[1]
         last = places[-1] + OVERHANG
         return first, max(last, self.hinge[0]) if i == 0 and self.hinge else last
@@ -268,7 +270,7 @@ def _assembled(bodies: Sequence[Body], hinge: Sequence[float]) -> Vehicle:
     dampings = [axle.damping for axle in frame.axles]
     stiffnesses = [axle.suspension_stiffness for axle in frame.axles]
     offsets = [
-        frame.behind(i, place) for i, body in enumerate(bodies) for place in body.tire_places
+        frame.behind(i, place) for i, places in enumerate(frame.places) for place in places
     ]
     order = np.flatnonzero(np.diff(offsets) <= 0)
     if order.size:

@@ -115,7 +115,7 @@ def load(name: str | os.PathLike[str]) -> Vehicle | QuarterCar:
     path = truck_path(name)
     try:
         content = parsed(path, "truck", LOOKS["place"], "a name of the catalog, as T5air")
-        truck = _vehicle(content)
+        truck = truck_of(content)
     except (TypeError, ValueError) as error:
         text = re.sub(r"\btype (\w+)=", r"type \1 = ", str(error))
         raise ValueError(f"{path}: {text}") from None
@@ -142,7 +142,8 @@ def truck_path(name: str | os.PathLike[str]) -> Path:
     )
 
 
-def _vehicle(content: Mapping[str, Any]) -> Vehicle | QuarterCar:
+def truck_of(content: Mapping[str, Any]) -> Vehicle | QuarterCar:
+    """Make the truck of a file's content; an error names the key."""
     if "bodies" not in content and "sprung_mass" in content:
         require_known("", content, (*OF_WHEEL, *TOLD), OF_TRUCK)
         require_keys("", content, OF_WHEEL[:-1], LOOKS)

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from bridgectl import _checks
+
+
+ALONE = (0.0,)
+"""Spread of an axle that is in no group."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,12 +59,14 @@ class Axle:
     damping: float = 0.0
     tire_damping: float | Sequence[float] = 0.0
     name: str = ""
-    spread: Sequence[float] = (0.0,)
+    spread: Sequence[float] = ALONE
     inertia: float = 0.0
 
     def __post_init__(self) -> None:
-        spread = tuple(_checks.array("spread", self.spread, (None,), unit="m").tolist())
-        if not spread or np.any(np.diff(spread) <= 0):
+        spread = ALONE
+        if self.spread is not ALONE:
+            spread = tuple(_checks.array("spread", self.spread, (None,), unit="m").tolist())
+        if not spread or any(b <= a for a, b in pairwise(spread)):
             raise ValueError(f"spread must rise from front to rear [m], got {self.spread}")
         n = len(spread)
         checked = {
@@ -85,7 +92,7 @@ class Axle:
                 "spread and inertia go together: a group has axles apart, as spread=(-0.65, 0.65), "
                 f"and an inertia above 0 [kg m^2]; got spread={spread} and {self.inertia:g} kg m^2"
             )
-        if n == 1 and spread != (0.0,):
+        if spread != ALONE and n == 1:
             raise ValueError(f"spread of one axle must be (0,), got {spread}: move its place")
 
     def __repr__(self) -> str:
@@ -169,8 +176,8 @@ class Body:
         for name, value in checked.items():
             object.__setattr__(self, name, value)
         places = self.tire_places
-        wrong = np.flatnonzero(np.diff(places) <= 0)
-        if not places or wrong.size:
+        wrong = [i for i, (a, b) in enumerate(pairwise(places)) if b <= a]
+        if not places or wrong:
             found = (
                 f"{places[wrong[0]]:g} m before {places[wrong[0] + 1]:g} m" if places else "none"
             )
@@ -245,4 +252,4 @@ def _of_axles(
 
 
 def _each(value: float | Sequence[float], n: int) -> list[float]:
-    return [float(each) for each in np.broadcast_to(np.asarray(value), n)]
+    return [value] * n if isinstance(value, float) else list(value)

@@ -1,0 +1,1 @@
+"""Fleets of trucks: drawn from distributions with a seed, or weighed on a road."""

@@ -1,0 +1,135 @@
+"""Where the trucks of a fleet come from: drawn from distributions, or weighed on a road."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bridgectl._checks import FloatArray
+from bridgectl.fleet.distributions import key_of, uniforms
+from bridgectl.fleet.kinds import Kind, shares
+from bridgectl.fleet.table import Rows
+from bridgectl.fleet.weighed import Unweighed, kind_of, truck
+from bridgectl.model.vehicle import Vehicle
+
+
+class Passing(NamedTuple):
+    """A truck of a fleet as it comes to a bridge."""
+
+    vehicle: Vehicle
+    speed: float
+    """[m/s]"""
+    kind: str
+    """Name of its kind; of a weighed truck the axles of its groups, as '1+1+3'."""
+    time: float
+    """After the first truck [s]; NaN where it is not known."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """Trucks without end, of kinds."""
+
+    kinds: tuple[Kind, ...]
+    seed: int
+
+    size = None
+
+    @cached_property
+    def _key(self) -> FloatArray:
+        return key_of(self.seed)
+
+    @cached_property
+    def _shares(self) -> list[float]:
+        return shares(self.kinds)
+
+    @cached_property
+    def _most(self) -> int:
+        return 2 + max(len(kind.parameters) for kind in self.kinds)
+
+    def passing(self, i: int) -> Passing:
+        """Truck i."""
+        share, *drawn = uniforms(self._key, i, self._most)
+        kind = self.kinds[bisect_right(self._shares, share)]
+        try:
+            vehicle, speed = kind.drawn(drawn)
+        except ValueError as error:
+            raise ValueError(f"truck {i} of the fleet, of kind {kind.name!r}: {error}") from None
+        return Passing(vehicle, speed, kind.name, np.nan)
+
+    def __str__(self) -> str:
+        ends = [0.0, *self._shares]
+        each = [
+            f"{100 * (high - low):.3g} % {kind.name}"
+            for kind, low, high in zip(self.kinds[:6], ends, ends[1:], strict=False)
+        ]
+        more = len(self.kinds) - len(each)
+        each += [f"{more} kinds more"] * (more > 0)
+        low = min(kind.speed.low for kind in self.kinds)
+        high = max(kind.speed.high for kind in self.kinds)
+        return f"{', '.join(each)}, {low:.4g} to {high:.4g} m/s, seed={self.seed}"
+
+
+@dataclass(frozen=True, eq=False)
+class Weighed:
+    """Trucks of a table, in its order."""
+
+    rows: Rows
+    numbers: Any
+    """Of its rows, shape (n,): a part of a table has trucks with the numbers that they had."""
+    per_day: float
+    unweighed: Unweighed
+    seed: int
+
+    @property
+    def size(self) -> int:
+        """How many there are."""
+        return int(self.rows.speed.size)
+
+    @cached_property
+    def _key(self) -> FloatArray:
+        return key_of(self.seed)
+
+    def passing(self, i: int) -> Passing:
+        """Truck i."""
+        rows, n = self.rows, int(np.count_nonzero(~np.isnan(self.rows.loads[i])))
+        loads, spacings = rows.loads[i, :n], rows.spacings[i, : n - 1]
+        numbers = uniforms(self._key, int(self.numbers[i]), len(self.unweighed.numbers))
+        vehicle = truck(loads, spacings, self.unweighed.drawn(numbers))
+        return Passing(vehicle, float(rows.speed[i]), kind_of(spacings), float(rows.time[i]))
+
+    def part(self, indices: Any) -> Weighed:
+        """Some of the trucks."""
+        rows = self.rows
+        some = Rows(*(getattr(rows, name)[indices] for name in Rows.ARRAYS))
+        return Weighed(some, self.numbers[indices], self.per_day, self.unweighed, self.seed)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Weighed):
+            return NotImplemented
+        told = (self.per_day, self.unweighed, self.seed) == (
+            other.per_day, other.unweighed, other.seed
+        )  # fmt: skip
+        return told and all(
+            np.array_equal(a, b, equal_nan=True)
+            for a, b in zip(self._arrays, other._arrays, strict=True)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.size, self.seed))
+
+    @property
+    def _arrays(self) -> list[FloatArray]:
+        return [self.numbers, *(getattr(self.rows, name) for name in Rows.ARRAYS)]
+
+    def __str__(self) -> str:
+        counts = np.count_nonzero(~np.isnan(self.rows.loads), axis=1)
+        speeds = self.rows.speed
+        a_day = f", {self.per_day:.4g} a day" if np.isfinite(self.per_day) else ""
+        return (
+            f"{self.size} weighed trucks of {counts.min()} to {counts.max()} axles{a_day}, "
+            f"{speeds.min():.4g} to {speeds.max():.4g} m/s, seed={self.seed}"
+        )
