@@ -1,0 +1,1 @@
+"""Fleets: random traffic and the assessment of a bridge under it."""
