@@ -10,6 +10,7 @@ Its rooms, each of which imports from those below it alone (`lint-imports`, `tes
     cli         the commands: options, tables
     paper       parameters, printed numbers and validation of the paper
     scoring     scores of damper strategies: run, board, text, file; animation, envelopes
+    fleet       random traffic: extreme values of its effects, assessment, beside scoring
     simulate    the front door: crossing_response, daf, ramp_surface choose an engine
     dampers     strategies; loop/ closed loops, optimum/ the best with all known;  extremes
     surface     ramp surfaces: compute, histories, DAE, trust, file
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from bridgectl._plausible import PlausibilityWarning
     from bridgectl.animation import crossing_animation
     from bridgectl.envelopes import envelope
+    from bridgectl.fleet.assessment import Assessment
     from bridgectl.linear.lift_off import LiftOffWarning
     from bridgectl.linear.prediction import prediction_matrices
     from bridgectl.model.beam import Beam
@@ -86,6 +88,7 @@ if TYPE_CHECKING:
     from bridgectl.surface.trust import dae_trust
 
 __all__ = [
+    "Assessment",
     "Beam",
     "BodyAcceleration",
     "Bridge",
@@ -144,6 +147,7 @@ _HOMES = {
     "_plausible": ("PlausibilityWarning",),
     "animation": ("crossing_animation",),
     "envelopes": ("envelope",),
+    "fleet.assessment": ("Assessment",),
     "linear.lift_off": ("LiftOffWarning",),
     "linear.prediction": ("prediction_matrices",),
     "model.beam": ("Beam",),

@@ -8,7 +8,8 @@ c = -xi.) Both tell the same: the value that one crossing in N exceeds, N being 
 the return period.
 
 Intervals are those of the profile likelihood (Coles, sections 3.3.4 and 4.3.3), whose ends lie as
-unevenly about the value as the data have it.
+unevenly about the value as the data have it. They are of scale and shape together, that is of all
+return periods at once, and so hold as well of values that reach their limit slowly: see `DEGREES`.
 """
 
 from __future__ import annotations
@@ -29,6 +30,14 @@ METHODS = ("block maxima", "peaks over threshold")
 CONFIDENCE = 0.95
 """Of every interval."""
 
+DEGREES = 2
+"""Of freedom of the chi-square that a profile may fall by.
+
+Over 300 to 500 samples of 10 000 or 100 000 crossings of exponential, Gumbel, Weibull (shapes 1.5
+and 2), Pareto and normal parents, intervals of one crossing in 2.5e8 held the value in 95 to 99 %;
+those of one degree in 87 to 95 %.
+"""
+
 DAYS_A_YEAR = 250.0
 """Working days, on which trucks drive: as C. C. Caprani's simulations of traffic count them."""
 
@@ -44,6 +53,9 @@ SHAPES = (-1.0, 1.0)
 TINY, SAME = 1e-9, 1e-12
 """Shapes that are none; values, over the largest, that differ by rounding alone."""
 
+FAR = 1e9
+"""A cost that nothing reaches."""
+
 N_DRAWS, SEED = 200, 2009
 """How often samples are drawn for a p-value, and the seed of that."""
 
@@ -58,6 +70,10 @@ class Estimate(NamedTuple):
     def __repr__(self) -> str:
         ends = f"{CONFIDENCE:.0%} between {self.low:.4g} and {self.high:.4g}"
         return f"Estimate({self.value:.4g}, {ends})"
+
+    def times(self, sign: int) -> Estimate:
+        """Return it with a sign, 1 or -1."""
+        return self if sign > 0 else Estimate(-self.value, -self.high, -self.low)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,20 +129,40 @@ class Tail:
         m = len(self.peaks)
         return np.asarray(self.distribution.ppf((np.arange(m) + 0.5) / m))
 
+    def periods(self) -> FloatArray:
+        """Crossings one of which exceeds each of `peaks`, by their ranks."""
+        m = len(self.peaks)
+        below = (np.arange(m) + 0.5) / m
+        if self.of_blocks:
+            return -1 / np.expm1(np.log(below) / self.share)
+        return self.share / (1 - below)
+
     def p_value(self) -> float:
         """Return how often a sample of the fit, fitted, lies as far off (Anderson-Darling)."""
         rng, m = np.random.default_rng(SEED), len(self.peaks)
         drawn = [np.sort(self.distribution.rvs(m, random_state=rng)) for _ in range(N_DRAWS)]
-        beyond = sum(_distance(self._fitted_to(own)) >= _distance(self) for own in drawn)
+        beyond = sum(_distance(self.fitted_to(own, self.n)) >= _distance(self) for own in drawn)
         return (beyond + 1) / (N_DRAWS + 1)
 
-    def _fitted_to(self, peaks: FloatArray) -> Tail:
-        return _fit(self.method, peaks, self.n, self.location)
+    def fitted_to(self, peaks: FloatArray, n: int) -> Tail:
+        """Return the tail of other peaks, in rising order, of the same blocks or threshold."""
+        return _fit(self.method, peaks, n, None if self.of_blocks else self.location)
+
+
+def _distance(tail: Tail) -> float:
+    """Anderson and Darling's A^2 of the fit."""
+    m = len(tail.peaks)
+    odd = 2 * np.arange(m) + 1
+    below, above = tail.distribution.logcdf(tail.peaks), tail.distribution.logsf(tail.peaks)
+    # A fit may end where the largest peak is.
+    return float(-m - odd @ np.maximum(below + above[::-1], -FAR) / m)
 
 
 def block_maxima(values: FloatArray, block: int) -> Tail:
     """Return the tail of the largest values of blocks (a last part of one is left out)."""
     n, m = len(values), len(values) // block
+    if same(values):
+        return Tail(METHODS[0], float(values[0]), 0.0, 0.0, values[:1], n)
     if m < LEAST:
         raise ValueError(
             f"block must leave at least {LEAST} blocks, and {n} crossings have {m} of {block}: "
@@ -134,6 +170,20 @@ def block_maxima(values: FloatArray, block: int) -> Tail:
         )
     peaks = np.sort(values[: m * block].reshape(m, block).max(axis=1))
     return _fit(METHODS[0], peaks, m * block)
+
+
+def mean_excess(values: FloatArray, n: int = 40) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return thresholds, mean excesses and their standard errors: a straight line of a tail.
+
+    Thresholds from the median to what ten values exceed.
+    """
+    ranked = np.sort(values)
+    thresholds = np.linspace(np.median(ranked), ranked[-min(11, len(ranked))], n)
+    counts = len(ranked) - np.searchsorted(ranked, thresholds, "right")
+    thresholds, counts = thresholds[counts > 1], counts[counts > 1]
+    parts = [ranked[-count:] - u for u, count in zip(thresholds, counts, strict=True)]
+    errors = [part.std() / math.sqrt(len(part)) for part in parts]
+    return thresholds, np.array([part.mean() for part in parts]), np.array(errors)
 
 
 def usual_block(n: int, crossings_a_day: float) -> int:
@@ -147,7 +197,7 @@ def peaks_over_threshold(values: FloatArray, threshold: float | None = None) -> 
     if threshold is None:
         threshold = ranked[-min(usual_exceedances(n) + 1, n)]
     peaks = ranked[np.searchsorted(ranked, threshold, "right") :]
-    if ranked[0] == ranked[-1] or (len(peaks) == 0 and threshold == ranked[-1]):
+    if same(ranked) or (len(peaks) == 0 and threshold == ranked[-1]):
         # So often is the largest value met.
         return Tail(METHODS[1], float(ranked[-1]), 0.0, 0.0, ranked[-1:], n)
     if len(peaks) < LEAST:
@@ -168,13 +218,18 @@ def usual_exceedances(n: int) -> int:
     return max(round(n ** (2 / 3) / math.log(math.log(max(n, 16)))), LEAST)
 
 
+def same(values: FloatArray) -> bool:
+    """Tell whether values differ by rounding alone."""
+    return bool(np.ptp(values) <= SAME * np.abs(values).max())
+
+
 def _more(n: int) -> str:
     return f"simulate more crossings than {n}"
 
 
 def _fit(method: str, peaks: FloatArray, n: int, threshold: float | None = None) -> Tail:
     """Fit the distribution by maximum likelihood, from where L-moments are."""
-    if np.ptp(peaks) <= SAME * abs(peaks[-1]):
+    if same(peaks):
         return Tail(method, float(peaks[-1]), 0.0, 0.0, peaks, n)
     location, scale, shape = _by_l_moments(peaks, threshold)
 
@@ -238,7 +293,9 @@ def _least(cost: Callable[[FloatArray], float], start: Any, step: float = 0.2) -
 
     simplex = np.vstack([start, start + step * np.eye(len(start))])
     options = {"initial_simplex": simplex, "xatol": 1e-5, "fatol": 1e-8}
-    return minimize(cost, simplex[0], method="Nelder-Mead", options=options).x
+    # Differences of what is infinite would not be numbers.
+    found = minimize(lambda x: min(cost(x), FAR), simplex[0], method="Nelder-Mead", options=options)
+    return found.x
 
 
 def _profile_ends(tail: Tail, w: float) -> tuple[float, float]:
@@ -248,12 +305,12 @@ def _profile_ends(tail: Tail, w: float) -> tuple[float, float]:
 
     x = (tail.peaks - tail.location) / tail.scale
     best = _cost(x, 1.0, tail.shape, tail.of_blocks)
-    reach = float(chi2.ppf(CONFIDENCE, 1)) / 2
+    reach = float(chi2.ppf(CONFIDENCE, DEGREES)) / 2
     at = float(_growth(w, tail.shape))
     profile = _profile(x, w, tail)
 
     def beyond(value: float) -> float:
-        return min(profile(value) - best, 1e9) - reach
+        return min(profile(value) - best, FAR) - reach
 
     ends = []
     for sign in (-1, 1):
@@ -267,34 +324,35 @@ def _profile_ends(tail: Tail, w: float) -> tuple[float, float]:
 
 
 def _profile(x: FloatArray, w: float, tail: Tail) -> Callable[[float], float]:
-    """Return the least cost if the value at a reduced variate is given, over location and scale."""
+    """Return the least cost if the value at a reduced variate is given.
+
+    Over scale and location, in which it is well conditioned; they leave one shape.
+    """
     # Where it is least beside values that were asked for: the next one is near.
-    found = {float(_growth(w, tail.shape)): np.array([0.0, tail.shape])}
+    found = {float(_growth(w, tail.shape)): np.zeros(2 if tail.of_blocks else 1)}
 
-    def of_excesses(value: float) -> float:
-        from scipy.optimize import minimize_scalar
-
-        if value <= 0:
-            return math.inf
-        # Else the largest peak would be above what is possible.
-        lowest = math.log1p(-value / x[-1]) / w if value < x[-1] else SHAPES[0]
-
-        def cost(shape: float) -> float:
-            return min(_cost(x, value / float(_growth(w, shape)), shape, False), 1e9)
-
-        lowest = max(lowest, SHAPES[0])
-        return float(minimize_scalar(cost, bounds=(lowest, SHAPES[1]), method="bounded").fun)
-
-    def of_maxima(value: float) -> float:
+    def least(value: float) -> float:
         def cost(p: FloatArray) -> float:
-            scale, shape = math.exp(p[0]), float(p[1])
-            return _cost(x - value + scale * float(_growth(w, shape)), scale, shape, True)
+            location, scale = float(p[1:].sum()), math.exp(p[0])
+            shape = _shape((value - location) / scale, w)
+            return _cost(x - location, scale, shape, tail.of_blocks)
 
         nearest = min(found, key=lambda other: abs(other - value))
-        x_least = _least(cost, found[nearest])
-        least = cost(x_least)
-        if math.isfinite(least):
-            found[value] = x_least
-        return least
+        p = _least(cost, found[nearest])
+        if math.isfinite(result := cost(p)):
+            found[value] = p
+        return result
 
-    return of_maxima if tail.of_blocks else of_excesses
+    return least
+
+
+def _shape(growth: float, w: float) -> float:
+    """Shape of which values grow so much up to a reduced variate; infinite if there is none."""
+    from scipy.optimize import brentq
+
+    def more(shape: float) -> float:
+        return float(_growth(w, shape)) - growth
+
+    if more(SHAPES[0]) > 0 or more(SHAPES[1]) < 0:
+        return math.inf
+    return float(brentq(more, *SHAPES))
