@@ -10,7 +10,7 @@ Its rooms, each of which imports from those below it alone (`lint-imports`, `tes
     cli         the commands: options, tables
     paper       parameters, printed numbers and validation of the paper
     scoring     scores of damper strategies: run, board, text, file; animation, envelopes
-    fleet       random and weighed trucks
+    fleet       random and weighed trucks, what they do to a bridge: assess, its extreme values
     simulate    the front door: crossing_response, daf, ramp_surface choose an engine
     dampers     strategies; loop/ closed loops, optimum/ the best with all known;  extremes
     surface     ramp surfaces: compute, histories, DAE, trust, file
@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from bridgectl._plausible import PlausibilityWarning
     from bridgectl.animation import crossing_animation
     from bridgectl.envelopes import envelope
+    from bridgectl.fleet.assess import assess
+    from bridgectl.fleet.assessment import Assessment
     from bridgectl.fleet.fleet import Fleet
     from bridgectl.linear.lift_off import LiftOffWarning
     from bridgectl.linear.prediction import prediction_matrices
@@ -88,6 +90,7 @@ if TYPE_CHECKING:
     from bridgectl.surface.trust import dae_trust
 
 __all__ = [
+    "Assessment",
     "Beam",
     "BodyAcceleration",
     "Bridge",
@@ -111,6 +114,7 @@ __all__ = [
     "SurfaceFileError",
     "TireForce",
     "Vehicle",
+    "assess",
     "calibrated_class_dae",
     "convoy",
     "crossing_animation",
@@ -147,6 +151,8 @@ _HOMES = {
     "_plausible": ("PlausibilityWarning",),
     "animation": ("crossing_animation",),
     "envelopes": ("envelope",),
+    "fleet.assess": ("assess",),
+    "fleet.assessment": ("Assessment",),
     "fleet.fleet": ("Fleet",),
     "linear.lift_off": ("LiftOffWarning",),
     "linear.prediction": ("prediction_matrices",),

@@ -24,6 +24,11 @@ RampHeightsShown: TypeAlias = Any
 VehicleShown: TypeAlias = Any
 ResponseShown: TypeAlias = Any
 
+# Of bridgectl.fleet: assessment.Read, levels.Reading, tails.Tail.
+ReadShown: TypeAlias = Any
+ReadingShown: TypeAlias = Any
+TailShown: TypeAlias = Any
+
 # Scoreboard; of bridgectl.paper: printed.PaperResults, validation.Case,
 # validation.ValidationResults, damper_validation.DamperCase.
 BoardShown: TypeAlias = Any
