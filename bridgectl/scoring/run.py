@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._parts import Kind, Part, Parts, Shapes
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._progress import shows, track
 from bridgectl._threads import on_one_thread
@@ -34,7 +35,6 @@ from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
 from bridgectl.scoring.board import Scoreboard
 from bridgectl.scoring.classes import class_part, class_shapes, class_surface, n_class_ramps
-from bridgectl.scoring.file import Part, Parts, Shapes
 from bridgectl.scoring.rows import MEASURES
 from bridgectl.scoring.study import (
     ROADS_AT_ONCE,
@@ -50,6 +50,9 @@ from bridgectl.simulate import ramp_surface
 from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, RampGrid
 from bridgectl.surface.histories import FeedbackHistories
 from bridgectl.surface.surface import RampSurface
+
+KIND = Kind("a score", 3)
+"""What files of scores in progress are called, and the version of their format."""
 
 RECORDED = ("tire_force", "body_acceleration", "suspension_travel")
 
@@ -159,7 +162,7 @@ def score(
         for piece in study.pieces
     }
     shapes = {task: _shapes(study, piece) for task, (_, _, piece) in jobs.items()}
-    with Parts(resume, header(study), shapes) as parts:
+    with Parts(resume, header(study), shapes, KIND) as parts:
         todo = [task for task in jobs if task not in parts]
         workers = check.workers(workers, len(todo))
         with closing(in_processes(_part, [jobs[task] for task in todo], workers)) as found:
