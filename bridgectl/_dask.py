@@ -21,6 +21,8 @@ from bridgectl._shares import Shares, WorkersLostError, share
 
 T = TypeVar("T")
 
+EXTRA = "bridgectl[dask]"
+
 LOCAL = "local"
 """What stands for a scheduler of this machine."""
 
@@ -56,46 +58,17 @@ def on_dask(
         yield from found
 
 
-@contextmanager
-def _connected(scheduler: str, workers: int) -> Iterator[Any]:
-    """Connect to a scheduler, or start one; say nothing but what is an error here."""
+def require_address(scheduler: str) -> None:
+    """Check that a scheduler may be at an address, and that Dask is installed."""
     try:
-        import distributed
+        from distributed.comm import parse_address, parse_host_port
+        from distributed.comm.registry import get_backend
     except ImportError:
         raise ModuleNotFoundError(
-            'a scheduler needs Dask: type pip install "bridgectl[dask]"'
+            f'scheduler needs Dask: type pip install "{EXTRA}", or leave scheduler out'
         ) from None
-    with _quiet():
-        if scheduler == LOCAL:
-            with deaf_to_ctrl_c():
-                cluster = distributed.LocalCluster(
-                    n_workers=workers, threads_per_worker=1, memory_limit=None,
-                    dashboard_address=None, silence_logs=logging.CRITICAL,
-                )  # fmt: skip
-            try:
-                with distributed.Client(cluster, set_as_default=False) as client:
-                    yield client
-            finally:
-                cluster.close()
-            return
-        _require_address(scheduler)
-        try:
-            client = distributed.Client(scheduler, timeout=ANSWER, set_as_default=False)
-        except OSError:
-            raise TimeoutError(
-                f"the scheduler {scheduler} does not answer within {ANSWER:g} s: start one with "
-                f"'dask scheduler', and type its address, or {LOCAL}"
-            ) from None
-        try:
-            yield client
-        finally:
-            client.close(timeout=ANSWER)
-
-
-def _require_address(scheduler: str) -> None:
-    from distributed.comm import parse_address, parse_host_port
-    from distributed.comm.registry import get_backend
-
+    if scheduler == LOCAL:
+        return
     try:
         protocol, place = parse_address(scheduler)
         get_backend(protocol)
@@ -105,6 +78,44 @@ def _require_address(scheduler: str) -> None:
             f"scheduler must be the address of a Dask scheduler, got {scheduler!r}: type "
             f"tcp://HOST:8786, or {LOCAL}"
         ) from None
+
+
+@contextmanager
+def _connected(scheduler: str, workers: int) -> Iterator[Any]:
+    """Connect to a scheduler, or start one, whose log is silent."""
+    require_address(scheduler)
+    with _quiet(), _local(workers) if scheduler == LOCAL else _remote(scheduler) as client:
+        yield client
+
+
+@contextmanager
+def _local(workers: int) -> Iterator[Any]:
+    from distributed import Client, LocalCluster
+
+    with deaf_to_ctrl_c():
+        cluster = LocalCluster(
+            n_workers=workers, threads_per_worker=1, memory_limit=None, dashboard_address=None,
+            silence_logs=logging.CRITICAL,
+        )  # fmt: skip
+    with cluster, Client(cluster, set_as_default=False) as client:
+        yield client
+
+
+@contextmanager
+def _remote(scheduler: str) -> Iterator[Any]:
+    from distributed import Client
+
+    try:
+        client = Client(scheduler, timeout=ANSWER, set_as_default=False)
+    except OSError:
+        raise TimeoutError(
+            f"the scheduler {scheduler} does not answer within {ANSWER:g} s: start one with 'dask "
+            f"scheduler', and type its address, or {LOCAL}"
+        ) from None
+    try:
+        yield client
+    finally:
+        client.close(timeout=ANSWER)
 
 
 @contextmanager

@@ -52,6 +52,20 @@ def in_processes(
         yield from _on_joblib(work, shares, number)
 
 
+def check_scheduler(scheduler: object) -> None:
+    """Check an address of a scheduler, as far as that goes without asking it."""
+    if scheduler is None:
+        return
+    if not isinstance(scheduler, str):
+        raise TypeError(
+            "scheduler must be the address of a Dask scheduler, got "
+            f'{type(scheduler).__name__}: type scheduler="tcp://HOST:8786", or "local"'
+        )
+    from bridgectl import _dask
+
+    _dask.require_address(scheduler)
+
+
 def _chosen() -> tuple[Any, int | None]:
     """Return the backend that joblib has now, and for how many processes it is configured."""
     if "joblib" not in sys.modules:  # slow to load, and nothing is configured
