@@ -54,7 +54,7 @@ from bridgectl.surface.surface import RampSurface
 KIND = Kind("a score", 3)
 """What files of scores in progress are called, and the version of their format."""
 
-UNIT = "daf_unit"
+UNIT = "unit ramps"
 """What a part has until the DAE is made of it."""
 
 RECORDED = ("tire_force", "body_acceleration", "suspension_travel")
