@@ -1,35 +1,110 @@
-"""Work in several processes, which one Ctrl-C ends."""
+"""Shares of a study in several processes, of this machine or of a cluster.
+
+Without further word they are joblib's own, or those that `joblib.parallel_config` chooses; a
+scheduler puts the shares on Dask. One Ctrl-C ends all. Shares are handed out as workers take them,
+and those of workers that died are done again.
+"""
 
 from __future__ import annotations
 
-import signal
 import sys
-import threading
-from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Generator, Iterable, Sized
+from contextlib import closing, suppress
 from typing import Any, TypeVar
+
+from bridgectl import _checks as check
+from bridgectl import _version
+from bridgectl._ctrl_c import deaf_to_ctrl_c, hear_no_manager
+from bridgectl._shares import Shares, share
+from bridgectl._threads import on_one_thread
 
 T = TypeVar("T")
 
-MANAGER = "ExecutorManagerThread"
-"""Name of joblib's thread that manages workers."""
-
 
 def in_processes(
-    work: Callable[..., T], jobs: Sequence[tuple[Any, ...]], workers: int
+    work: Callable[..., T],
+    jobs: Iterable[tuple[Any, ...]],
+    workers: int | None = None,
+    scheduler: str | None = None,
 ) -> Generator[tuple[int, T], None, None]:
-    """Do the jobs, as many at once as there are workers; yield what is done, with its index."""
-    if workers == 1:
-        for index, job in enumerate(jobs):
-            yield index, work(*job)
-        return
-    import joblib  # late, as it is slow to load
+    """Do the jobs, as many at once as there are workers; yield what is done, with its index.
 
-    parallel, found = joblib.Parallel(workers, return_as="generator_unordered"), None
+    Jobs are arguments of `work`, a function of a module; they may come from a generator, which is
+    asked for no more than are soon done. `workers` are processes of this machine: by default one
+    for each core, or as many as joblib is configured to take. `scheduler` is the address of a Dask
+    scheduler, or "local" for one of this machine; without it, a backend that
+    `joblib.parallel_config` chose counts. Close the generator to end the workers.
+    """
+    backend, n_jobs = _chosen()
+    shares = Shares(jobs)
+    most = len(jobs) if isinstance(jobs, Sized) else sys.maxsize
+    number = check.workers(n_jobs if workers is None else workers, max(most, 1))
+    if scheduler is not None or type(backend).__name__ == "DaskDistributedBackend":
+        from bridgectl import _dask  # late, as Dask is an extra
+
+        yield from _dask.on_dask(work, shares, number, backend if scheduler is None else scheduler)
+    elif number == 1:
+        for index, job in shares:
+            result = on_one_thread(work)(*job)
+            shares.done(index)
+            yield index, result
+    else:
+        yield from _on_joblib(work, shares, number)
+
+
+def check_scheduler(scheduler: object) -> None:
+    """Check an address of a scheduler, as far as that goes without asking it."""
+    if scheduler is None:
+        return
+    if not isinstance(scheduler, str):
+        raise TypeError(
+            "scheduler must be the address of a Dask scheduler, got "
+            f'{type(scheduler).__name__}: type scheduler="tcp://HOST:8786", or "local"'
+        )
+    from bridgectl import _dask
+
+    _dask.require_address(scheduler)
+
+
+def _chosen() -> tuple[Any, int | None]:
+    """Return the backend that joblib has now, and for how many processes it is configured."""
+    if "joblib" not in sys.modules:  # slow to load, and nothing is configured
+        return None, None
+    import joblib
+    from joblib.parallel import get_active_backend
+
+    backend, n_jobs = get_active_backend()
+    return backend, None if n_jobs is None else max(1, joblib.effective_n_jobs(n_jobs))
+
+
+def _on_joblib(
+    work: Callable[..., T], shares: Shares, workers: int
+) -> Generator[tuple[int, T], None, None]:
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+    while True:
+        try:
+            with closing(_run_on_joblib(work, shares, workers)) as found:
+                for index, result in found:
+                    shares.done(index)
+                    yield index, result
+            return
+        except TerminatedWorkerError:
+            shares.again()
+
+
+def _run_on_joblib(
+    work: Callable[..., T], shares: Shares, workers: int
+) -> Generator[tuple[int, T], None, None]:
+    import joblib
+
+    # One by one: a batch would keep what is done from being kept.
+    parallel = joblib.Parallel(workers, return_as="generator_unordered", batch_size=1)
+    found = None
     hear_no_manager()
     try:
         with deaf_to_ctrl_c():
-            found = parallel(joblib.delayed(_numbered)(i, work, *job) for i, job in enumerate(jobs))
+            found = parallel(joblib.delayed(_numbered)(i, work, *job) for i, job in shares)
         for each in found:  # noqa: UP028 - "yield from" would let joblib warn of being ended
             yield each
     finally:
@@ -38,51 +113,5 @@ def in_processes(
                 found.throw(KeyboardInterrupt)
 
 
-def hear_no_manager() -> None:
-    """Do not print what joblib's thread that manages the workers fails with as Ctrl-C ends them.
-
-    Where it fails for another reason, the work that is lost raises an error of its own.
-    """
-    usual = threading.excepthook
-    if getattr(usual, "hears_no_manager", False):
-        return
-
-    def hook(args: threading.ExceptHookArgs) -> None:
-        if args.thread is None or args.thread.name != MANAGER:
-            usual(args)
-
-    hook.hears_no_manager = True  # type: ignore[attr-defined]
-    threading.excepthook = hook
-
-
-@contextmanager
-def deaf_to_ctrl_c() -> Iterator[None]:
-    """Start processes that Ctrl-C does not reach; here it is felt when all have started.
-
-    It goes to all processes of a terminal. Workers would each tell of it, and those that are not
-    yet known to the process that starts them would be left; as it is, that one ends them.
-    """
-    if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    from multiprocessing import resource_tracker
-
-    from joblib.externals.loky.backend import resource_tracker as loky_tracker
-
-    for tracker in (resource_tracker, loky_tracker):  # when they start, they unblock the signal
-        tracker.ensure_running()
-    heard: list[int] = []
-    # Processes inherit what is blocked; of this one, other threads may still take the signal.
-    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
-    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
-        signal.signal(signal.SIGINT, handler)
-        for number in heard[:1]:
-            signal.raise_signal(number)
-
-
 def _numbered(index: int, work: Callable[..., T], *job: Any) -> tuple[int, T]:
-    return index, work(*job)
+    return index, share(_version.__version__, work, *job)

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import bridgectl.cli.main
-from bridgectl import _workers
+from bridgectl import _ctrl_c
 from bridgectl.__main__ import main
 
 SCORE = [
@@ -127,7 +127,7 @@ def test_ctrl_c_while_workers_start_is_felt_when_all_have_started():
     started = []
 
     def start():
-        with _workers.deaf_to_ctrl_c():
+        with _ctrl_c.deaf_to_ctrl_c():
             signal.raise_signal(signal.SIGINT)
             assert signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
             started.append("all")
@@ -144,7 +144,7 @@ def test_a_thread_leaves_ctrl_c_to_the_main_one():
     found = []
 
     def start():
-        with _workers.deaf_to_ctrl_c():
+        with _ctrl_c.deaf_to_ctrl_c():
             found.append(signal.getsignal(signal.SIGINT))
 
     thread = threading.Thread(target=start)
@@ -156,9 +156,9 @@ def test_a_thread_leaves_ctrl_c_to_the_main_one():
 def test_of_threads_the_one_that_manages_ended_workers_alone_fails_unheard(monkeypatch):
     heard = []
     monkeypatch.setattr(threading, "excepthook", heard.append)
-    _workers.hear_no_manager()
-    _workers.hear_no_manager()  # once is enough
-    for name in (_workers.MANAGER, "another"):
+    _ctrl_c.hear_no_manager()
+    _ctrl_c.hear_no_manager()  # once is enough
+    for name in (_ctrl_c.MANAGER, "another"):
         thread = threading.Thread(target=lambda: 1 / 0, name=name)
         thread.start()
         thread.join()

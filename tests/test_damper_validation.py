@@ -193,7 +193,7 @@ def test_an_interruption_says_where_it_goes_on(capsys, tmp_path, monkeypatch):
     [
         (("--pairs", "3"), "--pairs goes with --dampers: add it, or leave --pairs out"),
         (("--resume", "x.jsonl"), "--resume goes with --dampers"),
-        (("--workers", "2"), "--workers goes with --dampers"),
+        (("--workers", "0"), "--workers must be 1 or more, got 0"),
         (("--dampers", "--pairs", "1"), "--pairs must be 2 or more, got 1"),
         (("--dampers", "--workers", "0"), "--workers must be 1 or more, got 0"),
         (("--dampers", "--spans", "26"), "span"),

@@ -7,13 +7,16 @@ import resource
 import subprocess
 import sys
 import warnings
+from functools import partial
 
 import numpy as np
 import pytest
 
 import bridgectl
-from bridgectl.scoring import file as score_file
-from bridgectl.scoring.file import Parts
+from bridgectl import _parts
+from bridgectl.scoring.run import KIND
+
+Parts = partial(_parts.Parts, kind=KIND)
 
 SHAPES = {"daf": (2, 3), "daf_smooth": (3,)}
 NAMES = ("passive", "skyhook", "bridgehook", "Größe")
@@ -196,7 +199,7 @@ def test_parts_with_a_right_sum_must_have_the_right_arrays(file):
         {**good, "dae": good["daf"]},
         {"daf": good["daf"]},
     ):
-        line = score_file._line({"part": "skyhook", "key": "1a", **wrong}, first)
+        line = _parts._line({"part": "skyhook", "key": "1a", **wrong}, first)
         file.write_bytes(first + b"\n" + line + b"\n")
         message, done = warned(file)
         assert message.startswith("line 2 of FILE is damaged")
@@ -266,7 +269,7 @@ def test_a_pipe_or_device_is_refused_at_once(tmp_path):
 
 
 def test_a_line_without_end_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(score_file, "LONGEST", 2**12)
+    monkeypatch.setattr(_parts, "LONGEST", 2**12)
     (tmp_path / "zeros").write_bytes(bytes(2**13))
     assert "FILE is no file of a score, for none has lines of" in refused(tmp_path / "zeros")
 
@@ -281,7 +284,7 @@ def test_where_files_cannot_be_locked_they_are_written_without(file, monkeypatch
     def fails(*_):
         raise OSError(37, "No locks available")
 
-    monkeypatch.setattr(score_file.fcntl, "flock", fails)
+    monkeypatch.setattr(_parts.fcntl, "flock", fails)
     assert resumed(file)[1] == []
 
 
@@ -307,9 +310,10 @@ def test_a_full_disk_is_an_error_of_the_file_and_costs_no_part(file, room):
 def test_a_process_that_is_killed_while_it_writes_costs_one_part(tmp_path):
     program = (
         "import itertools, numpy as np\n"
-        "from bridgectl.scoring.file import Parts\n"
+        "from bridgectl._parts import Parts\n"
+        "from bridgectl.scoring.run import KIND\n"
         "asked = {(str(i), ''): {'daf': (50, 99)} for i in range(10_000)}\n"
-        f"with Parts({str(tmp_path / 'score.jsonl')!r}, {STUDY!r}, asked) as parts:\n"
+        f"with Parts({str(tmp_path / 'score.jsonl')!r}, {STUDY!r}, asked, KIND) as parts:\n"
         "    for i in range(10_000):\n"
         "        parts.keep(str(i), '', {'daf': np.full((50, 99), i / 3)})\n"
         "        print(i, flush=True)\n"

@@ -245,7 +245,7 @@ def _run_validate(args: argparse.Namespace) -> None:
     if args.dampers:
         _run_validate_dampers(args)
         return
-    for option in ("pairs", "resume", "workers"):
+    for option in ("pairs", "resume"):
         if getattr(args, option) is not None:
             raise ValueError(f"--{option} goes with --dampers: add it, or leave --{option} out")
     from bridgectl.cli.validation import print_validation, validation_json
@@ -253,6 +253,7 @@ def _run_validate(args: argparse.Namespace) -> None:
     from bridgectl.paper.validation import validate
 
     options.check_plot(args.plot)
+    options.check_work(args)
     spans = list(dict.fromkeys(options.numbers("--spans", args.spans, int)))
     if max(spans) > LAST:
         raise ValueError(f"--spans must be {LAST:g} m at most, as the roads, got {args.spans}")
@@ -261,7 +262,7 @@ def _run_validate(args: argparse.Namespace) -> None:
         bc.li2006.beam(span)
     with options.working("making the roads"):
         roads = good_roads()
-    results = validate(speeds, spans, roads=roads)
+    results = validate(speeds, spans, roads=roads, workers=args.workers, scheduler=args.scheduler)
     options.deliver(
         args, lambda: _figure("validation.validation")(results),
         lambda: _json(validation_json(results)), lambda: print_validation(results),
@@ -278,7 +279,10 @@ def _run_validate_dampers(args: argparse.Namespace) -> None:
     speeds = from_kmh(options.parse_speeds(args.speeds or "60:120:5"))
     pairs = check.integer("--pairs", N_PAIRS if args.pairs is None else args.pairs, at_least=2)
     with options.resumed(args.resume):
-        cases = validate_dampers(speeds, spans, pairs, resume=args.resume, workers=args.workers)
+        cases = validate_dampers(
+            speeds, spans, pairs, resume=args.resume, workers=args.workers,
+            scheduler=args.scheduler,
+        )  # fmt: skip
     options.deliver(
         args, lambda: _figure("validation.damper_validation")(cases),
         lambda: _json(damper_validation_json(cases)), lambda: print_damper_validation(cases),

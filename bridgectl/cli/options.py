@@ -21,6 +21,8 @@ from bridgectl._checks import FloatArray
 from bridgectl._files import is_regular, replacing
 from bridgectl._places import SAME_PLACE, even_places, whole_pieces
 from bridgectl._plausible import judge_kmh
+from bridgectl._shares import WorkersLostError
+from bridgectl._workers import check_scheduler
 from bridgectl.surface.compute import RAMP_LENGTH
 
 if TYPE_CHECKING:
@@ -119,21 +121,34 @@ def add_validation_options(parser: argparse.ArgumentParser) -> None:
     )
     add_option(dampers, "--pairs", "N", "random roads of each class, with a mirror image each "
                "(default 60)", as_whole)  # fmt: skip
-    add_work_options(dampers)
+    add_resume_option(dampers)
+    add_work_options(parser.add_argument_group("work"))
+
+
+def add_resume_option(work: argparse._ArgumentGroup) -> None:
+    """Add where work is kept."""
+    add_option(work, "--resume", "FILE", "keep what is done in FILE, and go on from what it holds",
+               Path)  # fmt: skip
 
 
 def add_work_options(work: argparse._ArgumentGroup) -> None:
-    """Add how long work is done, and where it is kept."""
-    add_option(work, "--resume", "FILE", "keep what is done in FILE, and go on from what it holds",
-               Path)  # fmt: skip
+    """Add who does the work."""
     add_option(work, "--workers", "N", "processes (default: one for each core)", as_whole)
+    add_option(work, "--scheduler", "ADDRESS", "of a Dask scheduler whose workers do it, as "
+               "tcp://HOST:8786; 'local' for processes of this machine under Dask")  # fmt: skip
 
 
 def check_work(args: argparse.Namespace) -> None:
-    """Check the options of `add_work_options`."""
+    """Check the options of `add_resume_option` and `add_work_options`."""
     check_output("--resume", args.resume)
     if args.workers is not None:
         _checks.integer("--workers", args.workers, at_least=1)
+    try:
+        check_scheduler(args.scheduler)
+    except (ValueError, ModuleNotFoundError) as error:
+        raise ValueError(f"--{error}") from None
+    if args.workers is not None and args.scheduler not in (None, "local"):
+        raise ValueError("--workers are of this machine, and a scheduler has its own: leave it out")
 
 
 @contextmanager
@@ -141,6 +156,12 @@ def resumed(path: Path | None) -> Iterator[None]:
     """Say where the work goes on if it is interrupted, and a file keeps it."""
     try:
         yield
+    except WorkersLostError as error:
+        if path is None:
+            raise
+        raise WorkersLostError(
+            f"{error}; {path} keeps what is done, the same command goes on from there"
+        ) from None
     except KeyboardInterrupt:
         if path is not None:
             print(

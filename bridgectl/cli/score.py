@@ -72,7 +72,9 @@ def add_score_options(parser: argparse.ArgumentParser) -> None:
     _add_damper_options(parser)
     bridges.add_bridge_options(parser)
     options.add_vehicle_options(parser)
-    options.add_work_options(parser.add_argument_group("work"))
+    work = parser.add_argument_group("work")
+    options.add_resume_option(work)
+    options.add_work_options(work)
 
 
 def _add_damper_options(parser: argparse.ArgumentParser) -> None:
@@ -108,7 +110,7 @@ def run_score(args: argparse.Namespace) -> None:
         board = bc.score(
             dampers, beam, vehicle, over, speeds, approach=args.approach,
             departure=args.departure, section=args.section, recovery=args.recovery,
-            resume=args.resume, workers=args.workers,
+            resume=args.resume, workers=args.workers, scheduler=args.scheduler,
         )  # fmt: skip
     from bridgectl.scoring.text import print_score
 

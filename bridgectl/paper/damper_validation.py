@@ -179,6 +179,7 @@ def validate_dampers(
     approach: float = APPROACH,
     resume: str | os.PathLike[str] | None = None,
     workers: int | None = None,
+    scheduler: str | None = None,
     progress: bool = True,
 ) -> tuple[DamperCase, ...]:
     """Compare the class DAE of many dampers with their simulated mean DAF, by span and class.
@@ -198,7 +199,8 @@ def validate_dampers(
         known, unseen = known_dampers(beam, car), unseen_dampers(beam, car)
         board = score(
             [*known, *unseen], beam, car, _roads(beam, count, before), c, approach=before,
-            resume=_file(resume, beam), workers=workers, progress=progress,
+            resume=_file(resume, beam), workers=workers, scheduler=scheduler,
+            progress=progress,
         )  # fmt: skip
         found += [_case(board, name, len(known)) for name in CLASSES]
     return tuple(found)

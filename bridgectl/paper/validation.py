@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,8 +17,10 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._progress import track
 from bridgectl._units import from_kmh, to_kmh
+from bridgectl._workers import check_scheduler, in_processes
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import linear_contact, prepare
+from bridgectl.model.beam import Beam
 from bridgectl.model.crossing import Crossing
 from bridgectl.paper import li2006
 from bridgectl.paper.good_roads import EXTREME_SPAN, good_roads
@@ -220,17 +224,21 @@ def validate(
     roads: Sequence[RoadProfile] | None = None,
     n_random: int = N_RANDOM,
     progress: bool = True,
+    workers: int | None = None,
+    scheduler: str | None = None,
 ) -> ValidationResults:
     """Compare DAE and superposed DAF with the simulated DAF, as Section 4 of the paper does.
 
     The paper's truck crosses its bridges (15 m solid, 25 m Y-beam, 35 m super-Y-beam; undamped,
     three modes, exact recovery) at `speeds` [m/s], from rest where the bridge begins or after an
-    approach [m] of `starts`; the warning light is tried on `n_random` random roads.
+    approach [m] of `starts`; the warning light is tried on `n_random` random roads. `workers` and
+    `scheduler` are those of `bridgectl.score`.
 
     The moment of the static load has a kink at mid-span. While it holds the peak there, with each
     ramp and with the road, DAF is linear in the road and the DAE is exact. Where it does not, as
     on the short bridge, the DAE falls short: a maximum is convex in the road.
     """
+    check_scheduler(scheduler)
     c = check.speeds(from_kmh(SPEEDS_KMH) if speeds is None else speeds)
     if not len(spans) or not len(starts) or (roads is not None and not len(roads)):
         raise ValueError("spans, starts and roads must hold one value each at least")
@@ -239,36 +247,57 @@ def validate(
     every = good_roads() if roads is None else tuple(roads)
     for road in every:
         road.require(-max(approaches), max(beam.length for beam in beams), "the validation")
-    n_cases = len(beams) * len(approaches) * len(every)
-    cases = (
-        case
-        for beam, approach in product(beams, approaches)
-        for case in _cases(ramp_surface(beam, li2006.car(), c, approach=approach), every)
-    )
     count = check.integer("n_random", n_random, at_least=2)
-    done = tuple(track(cases, "Roads on bridges", n_cases, show=progress))
-    return ValidationResults(every, c, done, _warning_light(c, count, progress))
+    pairs = list(product(beams, approaches))
+    jobs: list[tuple[Any, ...]] = [(_cases, beam, c, approach, every) for beam, approach in pairs]
+    jobs += [(_lights, c, part) for part in _random_roads(count)]
+    found: dict[int, Any] = {}
+    with closing(in_processes(_do, jobs, workers, scheduler)) as done:
+        for index, result in track(done, "Roads on bridges", len(jobs), show=progress):
+            found[index] = result
+    cases = tuple(case for i in range(len(pairs)) for case in found[i])
+    counts = np.sum([found[i] for i in range(len(pairs), len(jobs))], axis=0)
+    return ValidationResults(every, c, cases, WarningLight(TOLERANCE, *map(int, counts)))
 
 
-def _warning_light(speeds: FloatArray, n_roads: int, progress: bool) -> WarningLight:
-    """Try the light on random roads, class A and B by halves, on the paper's bridge."""
-    beam = li2006.beam(EXTREME_SPAN)
-    surface = ramp_surface(beam, li2006.car(), speeds)
+def _do(job: Callable[..., Any], *arguments: Any) -> Any:
+    return job(*arguments)
+
+
+def _random_roads(n_roads: int) -> list[FloatArray]:
+    """Random roads that the light is tried on, class A and B by halves, in parts."""
     half = n_roads // 2
-    each = (half, "A"), (n_roads - half, "B")
-    roads = np.vstack([iso8608_elevations(*some, beam.length, SEGMENT, seed=SEED) for some in each])
-    counts = np.zeros(4, dtype=int)
-    parts = np.array_split(roads, max(1, n_roads // PART))
-    for part in track(parts, "Random roads", len(parts), show=progress):
-        trust = dae_trust(surface, part)
-        with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
-            error = np.abs(surface.dae(part) - surface.superposed_daf(part))
-        large, lit = error > TOLERANCE, ~trust.trusted
-        counts += [large.size, large.sum(), lit.sum(), (large & lit).sum()]
-    return WarningLight(TOLERANCE, *map(int, counts))
+    roads = [
+        iso8608_elevations(number, name, float(EXTREME_SPAN), SEGMENT, seed=SEED)
+        for number, name in ((half, "A"), (n_roads - half, "B"))
+    ]
+    return np.array_split(np.vstack(roads), max(1, n_roads // PART))
 
 
-def _cases(surface: RampSurface, roads: Sequence[RoadProfile]) -> Iterator[Case]:
+def _lights(speeds: FloatArray, roads: FloatArray) -> list[int]:
+    """Try the light on some random roads, on the paper's bridge."""
+    surface = _light_surface(tuple(speeds))
+    trust = dae_trust(surface, roads)
+    with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
+        error = np.abs(surface.dae(roads) - surface.superposed_daf(roads))
+    large, lit = error > TOLERANCE, ~trust.trusted
+    return [large.size, large.sum(), lit.sum(), (large & lit).sum()]
+
+
+@lru_cache(maxsize=1)
+def _light_surface(speeds: tuple[float, ...]) -> RampSurface:
+    """Make the surface that all random roads share, once in each process."""
+    return ramp_surface(li2006.beam(EXTREME_SPAN), li2006.car(), speeds)
+
+
+def _cases(
+    beam: Beam, speeds: FloatArray, approach: float, roads: Sequence[RoadProfile]
+) -> list[Case]:
+    """Every road on one bridge."""
+    return list(_each_case(ramp_surface(beam, li2006.car(), speeds, approach=approach), roads))
+
+
+def _each_case(surface: RampSurface, roads: Sequence[RoadProfile]) -> Iterator[Case]:
     """Every road on one bridge; the superposed histories of all in one product."""
     # The simulations tell of tires that leave the road.
     with warnings.catch_warnings(action="ignore", category=LiftOffWarning):

@@ -16,10 +16,11 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._parts import Kind, Part, Parts, Shapes
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._progress import shows, track
 from bridgectl._threads import on_one_thread
-from bridgectl._workers import in_processes
+from bridgectl._workers import check_scheduler, in_processes
 from bridgectl.dampers.fitted import Dampers, Fitted
 from bridgectl.dampers.loop.damped import RampsAndRoads, ramps_and_roads
 from bridgectl.dampers.loop.work import require_loop
@@ -34,7 +35,6 @@ from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
 from bridgectl.scoring.board import Scoreboard
 from bridgectl.scoring.classes import class_part, class_shapes, class_surface, n_class_ramps
-from bridgectl.scoring.file import Part, Parts, Shapes
 from bridgectl.scoring.rows import MEASURES
 from bridgectl.scoring.study import (
     ROADS_AT_ONCE,
@@ -50,6 +50,12 @@ from bridgectl.simulate import ramp_surface
 from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, RampGrid
 from bridgectl.surface.histories import FeedbackHistories
 from bridgectl.surface.surface import RampSurface
+
+KIND = Kind("a score", 3)
+"""What files of scores in progress are called, and the version of their format."""
+
+UNIT = "unit ramps"
+"""What a part has until the DAE is made of it."""
 
 RECORDED = ("tire_force", "body_acceleration", "suspension_travel")
 
@@ -70,6 +76,7 @@ def score(
     effect: Effect | str = "moment",
     resume: str | os.PathLike[str] | None = None,
     workers: int | None = None,
+    scheduler: str | None = None,
     progress: bool = True,
 ) -> Scoreboard:
     """Score damper strategies over roads and speeds, by simulation and by DAE.
@@ -99,7 +106,12 @@ def score(
         with a warning, and all other lines count. A file of another study, or by another version
         of bridgectl, is refused, as is one that another process adds to.
     workers : int, optional
-        Processes at work. Default: as many as there are cores.
+        Processes at work. Default: as many as there are cores, or as `joblib.parallel_config` says,
+        whose backends count, too.
+    scheduler : str, optional
+        Address of a Dask scheduler that has the workers, or "local" for `workers` processes of this
+        machine under Dask; it needs ``pip install "bridgectl[dask]"``. A script then begins its
+        work under ``if __name__ == "__main__":``.
     progress : bool, optional
         Whether to show a progress bar on a terminal.
 
@@ -113,7 +125,10 @@ def score(
         If an argument is not what is described above: no strategies, two of one name, a road that
         is too short or given twice, or a file of another study.
     OSError
-        If the file cannot be written, as on a full disk; parts that it held are still there.
+        If the file cannot be written, as on a full disk; parts that it held are still there. If
+        the scheduler does not answer, or workers die again and again; what is done is kept.
+    ModuleNotFoundError
+        If Dask is asked for and not installed.
 
     Warns
     -----
@@ -138,6 +153,7 @@ def score(
     check.flag("progress", progress)
     if workers is not None:
         check.integer("workers", workers, at_least=1)
+    check_scheduler(scheduler)
     if resume is not None and not isinstance(resume, str | os.PathLike):
         raise TypeError(
             f'resume must name a file, got {type(resume).__name__}: type resume="score.jsonl"'
@@ -153,19 +169,22 @@ def score(
         n_ramps=study.n_ramps + len(study.classes) * n_class_ramps(study.n_ramps),
         n_recorded=len(RECORDED), at_once=ROADS_AT_ONCE, announced=not shows(progress),
     )  # fmt: skip
-    jobs = {
-        (task_name(device, piece, len(roads)), key(device, study, piece)): (study, device, piece)
+    tasks = {
+        (task_name(device, piece, len(roads)), key(device, study, piece)): (device, piece)
         for device in devices
         for piece in study.pieces
     }
-    shapes = {task: _shapes(study, piece) for task, (_, _, piece) in jobs.items()}
-    with Parts(resume, header(study), shapes) as parts:
-        todo = [task for task in jobs if task not in parts]
-        workers = check.workers(workers, len(todo))
-        with closing(in_processes(_part, [jobs[task] for task in todo], workers)) as found:
-            for index, part in track(found, "Scoring strategies", len(todo), show=progress):
-                parts.keep(*todo[index], part)
-        done = {(job[1].name, job[2]): parts[task] for task, job in jobs.items()}
+    shapes = {task: _shapes(study, piece) for task, (_, piece) in tasks.items()}
+    with Parts(resume, header(study), shapes, KIND) as parts:
+        todo = [task for task in tasks if task not in parts]
+        jobs = [(study.share(tasks[task][1]), *tasks[task]) for task in todo]
+        with closing(in_processes(_part, jobs, workers, scheduler)) as found:
+            for index, part in track(
+                found, "Scoring strategies", len(tasks), show=progress,
+                before=len(tasks) - len(todo), unit="parts",
+            ):  # fmt: skip
+                parts.keep(*todo[index], _with_dae(study, part))
+        done = {(device.name, piece): parts[task] for task, (device, piece) in tasks.items()}
     return _scoreboard(study, devices, roads, done)
 
 
@@ -213,16 +232,17 @@ def _second_order(
     return found
 
 
-@on_one_thread  # as in workers: sums over threads differ in the last digits
 def _part(study: Study, damper: Fitted, piece: Piece) -> Part:
-    """Score one strategy on a class, or on some roads: arrays (roads, speeds) of every measure."""
+    """Score one strategy on a class, or on the study's roads: arrays (roads, speeds) of measures.
+
+    With the first roads come the surface's DAFs, of which `_with_dae` makes the DAE of all roads.
+    """
     if isinstance(piece, str):
         return class_part(study.crossing, damper, study.speeds, study.approach, piece)
-    elevations = study.elevations[study.roads_of(piece)]
     ramps = np.arange(study.n_ramps if piece == 0 and damper.kept is None else 0)
     run = ramps_and_roads(
         study.crossing, damper, study.speeds, study.stations, ramps,
-        np.full(ramps.size, RAMP_HEIGHT), elevations, RECORDED,
+        np.full(ramps.size, RAMP_HEIGHT), study.elevations, RECORDED,
     )  # fmt: skip
     found = run.roads
     part = {
@@ -231,31 +251,40 @@ def _part(study: Study, damper: Fitted, piece: Piece) -> Part:
         "switching_rate": (found.switches / study.durations[:, np.newaxis]).T,
         **_measure(study, damper, run),
     }
-    return part if piece else part | _first_order(study, damper, run)
+    return part if piece else part | _unit_ramps(study, damper, run)
 
 
-def _first_order(study: Study, damper: Fitted, run: RampsAndRoads) -> Part:
-    """DAE of all roads, which comes with the first of them, and DAF of the smooth one."""
+def _unit_ramps(study: Study, damper: Fitted, run: RampsAndRoads) -> Part:
+    """DAF of the smooth road and of unit ramps."""
     if damper.kept is None:
-        grid = RampGrid(study.approach, RAMP_LENGTH, RAMP_HEIGHT, study.n_ramps)
-        surface = grid.surface(
-            study.crossing, study.speeds, run.smooth, run.unit[np.newaxis],
-            FeedbackHistories(damper.name),
-        )  # fmt: skip
-    else:  # exact, and quick
-        surface = ramp_surface(
-            study.beam, study.vehicle, study.speeds, approach=study.approach,
-            effect=study.crossing.effect, damper=damper,
-        )  # fmt: skip
-    return {"dae": surface.dae(study.under_ramps), "daf_smooth": surface.daf_smooth}
+        return {"daf_smooth": run.smooth, UNIT: run.unit}
+    surface = ramp_surface(  # exact, and quick
+        study.beam, study.vehicle, study.speeds, approach=study.approach,
+        effect=study.crossing.effect, damper=damper,
+    )  # fmt: skip
+    return {"daf_smooth": surface.daf_smooth, UNIT: surface.daf_unit}
+
+
+@on_one_thread  # sums over threads differ in the last digits
+def _with_dae(study: Study, part: Part) -> Part:
+    """Put the DAE of all roads in the place of the DAFs of unit ramps, if a part has them."""
+    if UNIT not in part:
+        return part
+    grid = RampGrid(study.approach, RAMP_LENGTH, RAMP_HEIGHT, study.n_ramps)
+    surface = grid.surface(
+        study.crossing, study.speeds, part["daf_smooth"], part[UNIT][np.newaxis],
+        FeedbackHistories(""),
+    )  # fmt: skip
+    own = {name: values for name, values in part.items() if name not in (UNIT, "daf_smooth")}
+    return own | {"dae": surface.dae(study.under_ramps), "daf_smooth": surface.daf_smooth}
 
 
 def _shapes(study: Study, piece: Piece) -> Shapes:
-    """Names and shapes of what `_part` returns."""
+    """Names and shapes of a part's arrays."""
     n_roads, n_speeds = len(study.elevations), len(study.speeds)
     if isinstance(piece, str):
         return class_shapes(n_speeds, study.n_ramps)
-    own = len(study.elevations[study.roads_of(piece)])
+    own = len(study.share(piece).elevations)
     shapes = {**dict.fromkeys(SIMULATED, (own, n_speeds)), "fourth_power_95": (own,)}
     return shapes if piece else shapes | {"dae": (n_roads, n_speeds), "daf_smooth": (n_speeds,)}
 

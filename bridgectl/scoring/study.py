@@ -87,9 +87,10 @@ class Study:
         """Road classes that have a surface."""
         return with_surface(self.road_classes, self.n_ramps)
 
-    def roads_of(self, first: int) -> slice:
-        """Those of the roads that a piece is of."""
-        return slice(first, first + ROADS_AT_ONCE)
+    def share(self, piece: Piece) -> Study:
+        """What a piece needs of the study: its own roads, of a class none."""
+        own = slice(0) if isinstance(piece, str) else slice(piece, piece + ROADS_AT_ONCE)
+        return dataclasses.replace(self, elevations=self.elevations[own])
 
     @property
     def pieces(self) -> list[Piece]:

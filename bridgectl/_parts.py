@@ -1,4 +1,4 @@
-"""The file of a score in progress: one line of JSON for each part of the work that is done.
+"""The file of a study in progress: one line of JSON for each part of the work that is done.
 
 The first line tells the study and the version of bridgectl. Each line begins with a sum of its own
 bytes; into those of parts goes the sum of the study, too. So what was damaged, edited, or computed
@@ -14,38 +14,55 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from io import FileIO
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl import _version
-from bridgectl._checks import FloatArray
 from bridgectl._files import is_regular
 from bridgectl._warn import warn
 
 if sys.platform != "win32":
     import fcntl
 
-FORMAT = "bridgectl score"
-VERSION = 3
-"""Version of the format: files of another one are refused."""
-
 START = b'{"check": "'
 """What each line begins with: the sum follows."""
 
 LONGEST = 2**28
-"""Bytes of a line: one of more is none of a score, and would fill the memory."""
+"""Bytes of a line: one of more is none of a study, and would fill the memory."""
 
-Part = dict[str, FloatArray]
+OF_LINES = "check", "part", "key"
+"""What a part's line has beside arrays."""
+
+Part = dict[str, NDArray[Any]]
 Shapes = Mapping[str, tuple[int, ...]]
 
 
+class Kind(NamedTuple):
+    """What kind of study files are of."""
+
+    one: str
+    """A study of it, with its article: 'a score'."""
+    version: int
+    """Version of the format: files of another one are refused."""
+    finite: bool = True
+    """Whether numbers that are not finite are a mistake, and are not kept in files."""
+
+    @property
+    def noun(self) -> str:
+        """What a study is called: 'score'."""
+        return self.one.partition(" ")[2]
+
+
 class Parts:
-    """Parts of a score, by name and key; kept in a file, if there is one.
+    """Parts of a study, by name and key; kept in a file, if there is one.
 
     What the file holds of the same study, as the header tells, is read, and new parts are added at
     its end. Damaged lines do not count, and draw a warning; a file of another study, or in use, is
-    refused. `shapes` has the names and shapes of the arrays of each part that is asked for.
+    refused. `shapes` has the names and shapes of the arrays of each part that is asked for, which
+    are of floats, whole numbers or truth values. Parts that are not `in_memory` are left in the
+    file until they are asked for.
     """
 
     def __init__(
@@ -53,21 +70,26 @@ class Parts:
         path: str | os.PathLike[str] | None,
         header: dict[str, Any],
         shapes: Mapping[tuple[str, str], Shapes],
+        kind: Kind,
+        *,
+        in_memory: bool = True,
     ) -> None:
         self.path = "" if path is None else os.fsdecode(path)
+        self.kind, self.in_memory = kind, in_memory
         self.header = {
-            "format": FORMAT, "version": VERSION, "bridgectl": _version.__version__,
-            **json.loads(json.dumps(header)),
+            "format": f"bridgectl {kind.noun}", "version": kind.version,
+            "bridgectl": _version.__version__, **json.loads(json.dumps(header)),
         }  # fmt: skip
         self.study = _line(self.header)
         self.shapes = shapes
         self.found: dict[tuple[str, str], Part] = {}
+        self.places: dict[tuple[str, str], int] = {}
         self.handle: FileIO | None = None
 
     def __enter__(self) -> Parts:
         if not self.path:
             return self
-        self.handle = _locked(self.path)
+        self.handle = _locked(self.path, self.kind)
         try:
             if damaged := self._read(self.handle):
                 warn(_damage(self.path, damaged))
@@ -81,20 +103,36 @@ class Parts:
             self.handle.close()
 
     def __contains__(self, part: tuple[str, str]) -> bool:
-        return part in self.found
+        return part in self.found or part in self.places
 
     def __getitem__(self, part: tuple[str, str]) -> Part:
-        return self.found[part]
+        if part in self.found:
+            return self.found[part]
+        with open(self.path, "rb") as handle:
+            handle.seek(self.places[part])
+            line = handle.readline().strip()
+        if not _is_sound(line, self.study):  # it was when it was read first
+            raise ValueError(f"{self.path} was changed while it was in use: do the same again")
+        return _arrays(_parsed(line))
 
     def keep(self, name: str, key: str, part: Part) -> None:
-        """Keep a part, in the file at once; there only if its numbers are finite."""
-        self.found[name, key] = part
-        if self.handle is not None and _are_finite(part):
-            arrays = {measure: values.tolist() for measure, values in part.items()}
-            self._write(self.handle, _line({"part": name, "key": key, **arrays}, self.study))
+        """Keep a part, in the file at once; there only if its numbers are what they must be."""
+        if self.handle is None or (self.kind.finite and not _are_finite(part)):
+            self.found[name, key] = part
+            return
+        arrays = {measure: values.tolist() for measure, values in part.items()}
+        line = _line({"part": name, "key": key, **arrays}, self.study)
+        self._place((name, key), part, self._write(self.handle, line))
 
-    def _write(self, handle: FileIO, line: bytes) -> None:
-        """Write a line to the disk, or nothing of it."""
+    def _place(self, name: tuple[str, str], part: Part, at: int) -> None:
+        """Keep a part that is in the file, or where it is there."""
+        if self.in_memory:
+            self.found[name] = part
+        else:
+            self.places[name] = at
+
+    def _write(self, handle: FileIO, line: bytes) -> int:
+        """Write a line to the disk, or nothing of it; return where it begins."""
         end = os.fstat(handle.fileno()).st_size
         try:
             left = memoryview(line + b"\n")
@@ -105,13 +143,14 @@ class Parts:
             with suppress(OSError):
                 handle.truncate(end)
             raise OSError(error.errno, error.strerror, self.path) from None
+        return end
 
     def _read(self, handle: FileIO) -> list[int]:
         """Read the file, and make its end fit for new lines; return which lines are damaged."""
         sound, damaged, end = False, list[int](), 0
         taken, last = False, b""
-        for number, last in enumerate(_lines(self.path), start=1):
-            taken, whole = self._take(last.strip(), number), last.endswith(b"\n")
+        for number, last in enumerate(_lines(self.path, self.kind), start=1):
+            taken, whole = self._take(last.strip(), number, end), last.endswith(b"\n")
             sound |= taken
             if whole and last.strip() and not taken:
                 damaged.append(number)
@@ -119,8 +158,8 @@ class Parts:
                 end += len(last)
         if not sound and (end or not _begins_a_file(last)):
             raise ValueError(
-                f"line 1 of {self.path} is damaged, or it is no file of a score: type the name of "
-                "one, or of a new file"
+                f"line 1 of {self.path} is damaged, or it is no file of {self.kind.one}: type the "
+                "name of one, or of a new file"
             )
         handle.truncate(end)
         if not sound:
@@ -129,31 +168,31 @@ class Parts:
             self._write(handle, b"")
         return damaged
 
-    def _take(self, line: bytes, number: int) -> bool:
+    def _take(self, line: bytes, number: int, at: int) -> bool:
         """Take what a line says, if it is a sound one of this study."""
         said = _parsed(line)
         if _is_sound(line, self.study):
-            return self._take_part(said)
-        if said.get("format") != FORMAT:
+            return self._take_part(said, at)
+        if said.get("format") != self.header["format"]:
             return False
-        of_old = "check" not in said and said.get("version") != VERSION
+        of_old = "check" not in said and said.get("version") != self.kind.version
         if of_old or _is_sound(line):
             self._require_same_study(said, number)
             return True
         return False
 
-    def _take_part(self, said: dict[str, Any]) -> bool:
+    def _take_part(self, said: dict[str, Any], at: int) -> bool:
         """Take a part, if it is asked for; return whether it is one."""
-        place = str(said.pop("part", "")), str(said.pop("key", ""))
-        if place not in self.shapes:
+        name = str(said.get("part", "")), str(said.get("key", ""))
+        if name not in self.shapes:
             return True
-        del said["check"]
         try:
-            part = {measure: np.array(values) for measure, values in said.items()}
+            part = _arrays(said)
         except ValueError:  # rows of different lengths
             return False
-        if fits := _fits(part, self.shapes[place]):
-            self.found[place] = part
+        fits = _fits(part, self.shapes[name]) and (not self.kind.finite or _are_finite(part))
+        if fits:
+            self._place(name, part, at)
         return fits
 
     def _require_same_study(self, header: dict[str, Any], number: int) -> None:
@@ -175,12 +214,12 @@ class Parts:
             )
 
 
-def _locked(path: str) -> FileIO:
+def _locked(path: str, kind: Kind) -> FileIO:
     """Open a file to add to its end, which no other process may do until it is closed."""
     if os.path.exists(path) and not is_regular(path):
         raise ValueError(
-            f"{path} is no file but a folder, pipe or device: type the name of a file of a score, "
-            "or of a new file"
+            f"{path} is no file but a folder, pipe or device: type the name of a file of "
+            f"{kind.one}, or of a new file"
         )
     handle = FileIO(path, "ab")
     if sys.platform != "win32":
@@ -189,21 +228,21 @@ def _locked(path: str) -> FileIO:
         except BlockingIOError:
             handle.close()
             raise ValueError(
-                f"{path} is in use by another score: wait for its end, or type the name of a new "
-                "file"
+                f"{path} is in use by another {kind.noun}: wait for its end, or type the name of "
+                "a new file"
             ) from None
         except OSError:  # a file system without locks
             pass
     return handle
 
 
-def _lines(path: str) -> Iterator[bytes]:
+def _lines(path: str, kind: Kind) -> Iterator[bytes]:
     with open(path, "rb") as handle:
         while line := handle.readline(LONGEST):
             if len(line) == LONGEST:
                 raise ValueError(
-                    f"{path} is no file of a score, for none has lines of {LONGEST >> 20} MiB: "
-                    "type the name of one, or of a new file"
+                    f"{path} is no file of {kind.one}, for none has lines of {LONGEST >> 20} "
+                    "MiB: type the name of one, or of a new file"
                 )
             yield line
 
@@ -237,10 +276,15 @@ def _parsed(line: bytes) -> dict[str, Any]:
     return said if isinstance(said, dict) else {}
 
 
+def _arrays(said: dict[str, Any]) -> Part:
+    """Return the arrays of a part's line."""
+    return {name: np.array(each) for name, each in said.items() if name not in OF_LINES}
+
+
 def _fits(part: Part, shapes: Shapes) -> bool:
-    """Tell whether a part has all its arrays, of the right shapes and of finite numbers."""
-    found = {name: a.shape if a.dtype.kind == "f" else None for name, a in part.items()}
-    return found == shapes and _are_finite(part)
+    """Tell whether a part has all its arrays, of numbers and of the right shapes."""
+    found = {name: a.shape if a.dtype.kind in "fib" else None for name, a in part.items()}
+    return found == shapes
 
 
 def _are_finite(part: Part) -> bool:

@@ -1,0 +1,58 @@
+"""One Ctrl-C, which goes to all processes of a terminal, ends the one that starts the others."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+MANAGER = "ExecutorManagerThread"
+"""Name of joblib's thread that manages workers."""
+
+
+def hear_no_manager() -> None:
+    """Do not print what joblib's thread that manages the workers fails with as Ctrl-C ends them.
+
+    Where it fails for another reason, the work that is lost raises an error of its own.
+    """
+    usual = threading.excepthook
+    if getattr(usual, "hears_no_manager", False):
+        return
+
+    def hook(args: threading.ExceptHookArgs) -> None:
+        if args.thread is None or args.thread.name != MANAGER:
+            usual(args)
+
+    hook.hears_no_manager = True  # type: ignore[attr-defined]
+    threading.excepthook = hook
+
+
+@contextmanager
+def deaf_to_ctrl_c() -> Iterator[None]:
+    """Start processes that Ctrl-C does not reach; here it is felt when all have started.
+
+    It goes to all processes of a terminal. Workers would each tell of it, and those that are not
+    yet known to the process that starts them would be left; as it is, that one ends them.
+    """
+    if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    from joblib.externals.loky.backend import resource_tracker as loky_tracker
+
+    for tracker in (resource_tracker, loky_tracker):  # when they start, they unblock the signal
+        tracker.ensure_running()
+    heard: list[int] = []
+    # Processes inherit what is blocked; of this one, other threads may still take the signal.
+    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+        signal.signal(signal.SIGINT, handler)
+        for number in heard[:1]:
+            signal.raise_signal(number)
