@@ -66,14 +66,13 @@ class Found(NamedTuple):
 class Engine:
     """Many crossings of a bridge, and the effects that are read of each."""
 
-    def __init__(self, bridge: BridgeModel, start: float, effects: Sequence[Sequence[Effect]]) -> None:
-        """Of effects by effect and crossing: those of an effect differ by their vehicle alone."""
+    def __init__(self, bridge: BridgeModel, start: float, effects: Sequence[Effect]) -> None:
         self.bridge, self.start = bridge, start
         widest = min(WIDEST_PIECE, bridge.length / (24 * bridge.n_modes))
         ends = np.abs(bridge.mode_shapes(np.array([0.0, bridge.length])))
         self.shapes = table(bridge.mode_shapes, bridge.kinks(0.5), bridge.length, widest)
         largest = np.abs(self.shapes.powers[0]).max(axis=1)
-        self.reads = [_read(each[0], bridge, widest) for each in effects]
+        self.reads = [_read(effect, bridge, widest) for effect in effects]
         self.fits = bool(np.all(ends <= ON_SUPPORTS * largest)) and None not in self.reads
 
     def run(
