@@ -13,9 +13,9 @@ from bridgectl.linear.cells import SAMPLES
 
 _PER_CELL = len(SAMPLES)
 _FINE = np.linspace(0.0, 1.0, 33)
-_KNOTS = np.append(SAMPLES, 1.0)
+KNOTS = np.append(SAMPLES, 1.0)
 # Values on the fine grid of the polynomial through a cell's samples and its end.
-_TO_FINE = np.vander(_FINE, len(_KNOTS)) @ np.linalg.inv(np.vander(_KNOTS))
+TO_FINE = np.vander(_FINE, len(KNOTS)) @ np.linalg.inv(np.vander(KNOTS))
 
 
 WAVES = 3.0
@@ -151,8 +151,12 @@ def margins(histories: FloatArray) -> FloatArray:
 
 def _polynomial_peaks(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Peak and its place in [0, 1] of polynomials given by their samples, shape (7, n)."""
-    fine = _TO_FINE @ samples
-    top, each = fine.argmax(axis=0), np.arange(samples.shape[1])
+    return tops(TO_FINE @ samples)
+
+
+def tops(fine: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Peak and its place in [0, 1] of polynomials given by values at even steps, (33, n)."""
+    top, each = fine.argmax(axis=0), np.arange(fine.shape[1])
     inner = np.clip(top, 1, len(_FINE) - 2)
     before, at, after = (fine[inner + shift, each] for shift in (-1, 0, 1))
     bend = before - 2 * at + after

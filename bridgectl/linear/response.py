@@ -5,6 +5,8 @@ Two routes lead to them: exact cells, and the control library, which they are co
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -118,13 +120,45 @@ def as_response(
     )
 
 
+class Crossed(NamedTuple):
+    """What is kept of crossings at S speeds: nothing of those that were not simulated."""
+
+    factors: FloatArray
+    """Peaks over their static ones, if they have any, (..., S)."""
+    places: FloatArray
+    """Of the reference tire then [m], (..., S)."""
+    least: FloatArray
+    """Least tire force over its static load, on approach and bridge, (S,)."""
+    flights: FloatArray
+    """Where a tire first leaves the road [m], (S,); not a number where none does."""
+
+    @classmethod
+    def of_none(cls, *shape: int) -> Crossed:
+        """Of crossings (..., S) that are yet to be simulated."""
+        return cls(*np.full((2, *shape), np.nan), *np.full((2, shape[-1]), np.nan))
+
+    def tell(self, speeds: FloatArray) -> None:
+        """Tell at which speeds a tire leaves the road, if it does."""
+        flying = np.flatnonzero(~np.isnan(self.flights))
+        warn_of_flights({float(speeds[i]): self.flights[i] for i in flying}, speeds.size)
+
+
 def linear_dafs(
     run: runs.Run, speeds: FloatArray, method: str = "propagator", progress: bool = True
 ) -> FloatArray:
     """Return the peak of the effect over its static peak, if it has one, at speeds [m/s]."""
+    found = linear_peaks(run, speeds, method, progress)
+    found.tell(speeds)
+    return found.factors
+
+
+def linear_peaks(
+    run: runs.Run, speeds: FloatArray, method: str = "propagator", progress: bool = True
+) -> Crossed:
+    """Simulate crossings at speeds [m/s], and find the peaks of the effect."""
     crossing = run.crossing
     require_crossing(run, speeds)
-    result = np.empty(speeds.size)
+    result = Crossed.of_none(speeds.size)
     linear = np.zeros(speeds.size, dtype=bool)
     if method == "propagator":
         batches = list(runs.speed_batches(run, speeds))
@@ -138,37 +172,46 @@ def linear_dafs(
                 crossing, speeds[batch], nodes, bridge.states, bridge.forces, forces,
                 pieces_of(crossing, speeds[batch].min(), nodes) if run.plain else 1,
             )  # fmt: skip
-            result[batch] = find_peaks(samples.T, between).values
-            linear[batch] = ~runs.lifts_off(crossing, stretches)
+            peaks = find_peaks(samples.T, between)
+            result.factors[batch] = peaks.values
+            result.places[batch] = peaks.positions(runs.twice(nodes) if run.jumps else nodes)
+            result.least[batch] = runs.least_forces(crossing, stretches)
+            linear[batch] = ~runs.leaves(result.least[batch])
     simulate = _flying_peak if run.plain and method == "propagator" else _reference_peak
-    flights = {}
     flying = np.nonzero(~linear)[0]
     for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
-        result[i], place = simulate(run, float(speeds[i]))
-        if place is not None:
-            flights[float(speeds[i])] = place
-    warn_of_flights(flights, speeds.size)
-    return crossing.orientation * result
+        one = simulate(run, float(speeds[i]))
+        for every, own in zip(result, one, strict=True):
+            every[i] = own
+    return result._replace(factors=crossing.orientation * result.factors)
 
 
-def _flying_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
-    """DAF with the tires kept from pulling, and where one first leaves the road."""
+def _flying_peak(run: runs.Run, speed: float) -> tuple[float, float, float, float]:
+    """The same of one speed with the tires kept from pulling, of `Crossed` in its order."""
     flight = fly(run, speed, run.nodes(speed))
-    peak = _peak(flight.effects, flight.nodes)
-    return peak, runs.first_flight(flight.nodes, flight.forces)
+    entry = bridge_entry(flight.nodes)
+    effect = flight.effects[len(SAMPLES) * entry :, np.newaxis]
+    return _kept(run, effect, flight.nodes[entry:], flight.nodes, flight.forces)
 
 
-def _reference_peak(run: runs.Run, speed: float) -> tuple[float, float | None]:
+def _reference_peak(run: runs.Run, speed: float) -> tuple[float, float, float, float]:
     """The same by the reference route."""
     nodes, motion = run.nodes(speed), run.motion or Motion(speed)
     positions = sample_positions(nodes, run.motion)
     states, forces = reference.simulate_reference(run, motion, positions)
-    effect = reference.reference_samples(run, motion, nodes, states, forces)
-    peak = float(find_peaks(effect[:, np.newaxis]).values[0])
-    return peak, runs.first_flight(positions, forces)
+    effect = reference.reference_samples(run, motion, nodes, states, forces)[:, np.newaxis]
+    bridge = nodes[bridge_entry(nodes) :]
+    return _kept(run, effect, runs.twice(bridge) if run.jumps else bridge, positions, forces)
 
 
-def _peak(samples: FloatArray, nodes: FloatArray) -> float:
-    """Peak of an effect on the bridge, from its samples on the approach and the bridge."""
-    before = len(SAMPLES) * bridge_entry(nodes)
-    return float(find_peaks(samples[before:, np.newaxis]).values[0])
+def _kept(
+    run: runs.Run, effect: FloatArray, nodes: FloatArray, x: FloatArray, forces: FloatArray
+) -> tuple[float, float, float, float]:
+    """What is kept of an effect in cells of the bridge, and of tire forces (n_tires, m) at places.
+
+    A place where no tire leaves the road is not a number.
+    """
+    peak, place = find_peaks(effect), runs.first_flight(x, forces)
+    least = float((forces.T / run.crossing.linear.static_loads).min())
+    first = np.nan if place is None else place
+    return float(peak.values[0]), float(peak.positions(nodes)[0]), max(least, 0.0), first

@@ -188,6 +188,14 @@ def prepare(
 
     `pieces` is the length [m] of the straight pieces that the road counts in, if any.
     """
+    run = covered(crossing, profile, start)
+    if profile is not None:
+        warn_if_coarse(profile, "dynamic amplification", pieces=pieces)
+    return run
+
+
+def covered(crossing: Crossing, profile: RoadProfile | None, start: float) -> Run:
+    """Check where a crossing starts and that its road covers it."""
     start = _checks.number("start", start, unit="m")
     if start > 0:
         raise ValueError(
@@ -202,7 +210,6 @@ def prepare(
             )
         first = crossing.paths.covered(start, crossing.beam.length)[0]
         profile.require(first, crossing.beam.length, "the crossing")
-        warn_if_coarse(profile, "dynamic amplification", pieces=pieces)
     if isinstance(crossing.linear, Traffic) and crossing.paths.motions:
         x = np.linspace(start, crossing.exit, LOOKED_AT)
         crossing.linear.require_apart(x, crossing.beam.length)
@@ -304,8 +311,13 @@ def connected(samples: FloatArray, ends: FloatArray) -> FloatArray:
     return every.reshape(*samples.shape[:-2], -1)[..., : 1 - len(SAMPLES)]
 
 
-def lifts_off(crossing: Crossing, stretches: list[Stretch]) -> NDArray[np.bool_]:
-    """At which speeds some tire would have to pull, shape (S,)."""
+def twice(nodes: FloatArray) -> FloatArray:
+    """Nodes of the cells that `connected` makes [m]."""
+    return np.repeat(nodes, 2)[1:-1]
+
+
+def least_forces(crossing: Crossing, stretches: list[Stretch]) -> FloatArray:
+    """Least tire force at each speed over its static load, as if tires could pull, shape (S,)."""
     least = np.full(len(stretches[0].states), np.inf)
     for stretch in stretches:
         loads = np.tile(crossing.linear.static_loads, N_STAGES)
@@ -313,7 +325,17 @@ def lifts_off(crossing: Crossing, stretches: list[Stretch]) -> NDArray[np.bool_]
             at_nodes = node_forces(crossing, stretch, before=before) / crossing.linear.static_loads
             least = np.minimum(least, at_nodes.min(axis=(1, 2)))
         least = np.minimum(least, (stretch.forces / loads).min(axis=(1, 2)))
+    return least
+
+
+def leaves(least: FloatArray) -> NDArray[np.bool_]:
+    """Whether some tire with such a least force would have to pull, the shape of that."""
     return np.asarray(least < -LIFT_OFF)
+
+
+def lifts_off(crossing: Crossing, stretches: list[Stretch]) -> NDArray[np.bool_]:
+    """At which speeds some tire would have to pull, shape (S,)."""
+    return leaves(least_forces(crossing, stretches))
 
 
 def node_forces(crossing: Crossing, stretch: Stretch, *, before: bool = False) -> FloatArray:

@@ -22,19 +22,21 @@ from bridgectl.linear.cells import (
 )
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.fine import Refinement, pieces_of
-from bridgectl.linear.lift_off import fly, warn_of_flights
+from bridgectl.linear.lift_off import fly
 from bridgectl.linear.nodes import followed
 from bridgectl.linear.peaks import Peaks, find_peaks
 from bridgectl.linear.reference import contact_forces, simulate_reference
-from bridgectl.linear.response import linear_dafs
+from bridgectl.linear.response import Crossed, linear_peaks
 from bridgectl.linear.runs import (
     Run,
     connected,
     first_flight,
-    lifts_off,
+    least_forces,
+    leaves,
     moving,
     propagate,
     speed_batches,
+    twice,
 )
 from bridgectl.linear.within import bridge_samples
 from bridgectl.model.bridge import BridgeModel
@@ -61,6 +63,8 @@ class Samples(NamedTuple):
     """Tire forces, shape (n_tires, m)."""
     flight: float | None = None
     """Where a tire first leaves the road [m]."""
+    least: float = 0.0
+    """Least tire force over its static load, on approach and bridge."""
     slowest: float = np.inf
     """The slowest speed [m/s] that cells were made for, that of the crossing or less."""
     places: FloatArray | None = None
@@ -122,34 +126,51 @@ def dafs_of_effects(
     method: str = "propagator",
     progress: bool = True,
 ) -> FloatArray:
-    """Return `linear_dafs` of several effects, each told by a crossing, from one propagation.
+    """Return `linear_dafs` of several effects, each told by a crossing, (n_effects, n_speeds)."""
+    found = peaks_of_effects(run, crossings, speeds, method, progress)
+    found.tell(speeds)
+    return found.factors
 
-    Shape (n_effects, n_speeds). Nodes of the cells are those of all effects.
+
+def peaks_of_effects(
+    run: Run,
+    crossings: Sequence[Crossing],
+    speeds: FloatArray,
+    method: str = "propagator",
+    progress: bool = True,
+) -> Crossed:
+    """Return `linear_peaks` of several effects, each told by a crossing, from one propagation.
+
+    Of shape (n_effects, n_speeds). Nodes of the cells are those of all effects.
     """
     if len(crossings) == 1:
-        return linear_dafs(run._replace(crossing=crossings[0]), speeds, method, progress)[
-            np.newaxis
-        ]
+        one = linear_peaks(run._replace(crossing=crossings[0]), speeds, method, progress)
+        return one._replace(factors=one.factors[np.newaxis], places=one.places[np.newaxis])
     effects = [crossing.effect for crossing in crossings]
     run = run._replace(crossing=with_nodes_of(crossings[0], effects))
     require_crossing(run, speeds)
     alike = [_cells_of(run, crossing) for crossing in crossings]
+    result = Crossed.of_none(len(effects), speeds.size)
     if len(set(alike)) > 1:
-        result = np.empty((len(effects), speeds.size))
         for cells in dict.fromkeys(alike):
             own = [i for i, each in enumerate(alike) if each == cells]
             group = [crossings[i] for i in own]
-            result[own] = dafs_of_effects(run, group, speeds, method, progress)
+            found = peaks_of_effects(run, group, speeds, method, progress)
+            result.factors[own], result.places[own] = found.factors, found.places
+            result = result._replace(
+                least=np.fmin(result.least, found.least),
+                flights=np.fmin(result.flights, found.flights),
+            )
         return result
     scales = np.array([crossing.scale for crossing in crossings])
     orientations = np.array([crossing.orientation for crossing in crossings])
-    result, flights = np.empty((len(effects), speeds.size)), {}
     for i, found in sampled(run, speeds, method, progress):
         peaks = found.peaks(run.crossing, float(speeds[i]), effects, 1 / scales)
-        result[:, i] = orientations * peaks.values
+        result.factors[:, i] = orientations * peaks.values
+        result.places[:, i] = peaks.positions(found.nodes)
+        result.least[i] = found.least
         if found.flight is not None:
-            flights[float(speeds[i])] = found.flight
-    warn_of_flights(flights, speeds.size)
+            result.flights[i] = found.flight
     return result
 
 
@@ -187,12 +208,14 @@ def sampled(
         for batch in track(batches, "Simulating crossings", len(batches), show=progress):
             nodes = run.nodes(speeds[batch].min(), wide=True)
             stretches = propagate(run, speeds[batch], nodes)
-            linear[batch] = ~lifts_off(run.crossing, stretches)
+            least = least_forces(run.crossing, stretches)
+            linear[batch] = ~leaves(least)
             states, forces = bridge_samples(run.crossing, speeds[batch], stretches[-1])
             nodes = stretches[-1].cells.nodes
             for i in np.flatnonzero(linear[batch]):
                 own = _samples(run, nodes, states[i].T, forces[i].T)
-                yield int(batch.start + i), own._replace(slowest=speeds[batch].min())
+                slowest, lowest = speeds[batch].min(), float(least[i])
+                yield int(batch.start + i), own._replace(slowest=slowest, least=lowest)
     simulate = _flying if run.plain and method == "propagator" else _reference
     flying = np.flatnonzero(~linear)
     for i in track(flying, "Simulating tires that leave the road", len(flying), show=progress):
@@ -216,7 +239,7 @@ def _samples(
         places = connected(cells, places[ends])
         if run.motion is not None:
             a = connected(a[:-1].reshape(cells.shape), a[:-1][:: len(SAMPLES)])
-        nodes = np.repeat(nodes, 2)[1:-1]
+        nodes = twice(nodes)
     return Samples(nodes, states, forces, flight, places=places, accelerations=a)
 
 

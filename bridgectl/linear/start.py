@@ -34,12 +34,15 @@ def begin(
     require_beyond(run)
     if motion is not None:
         run = moving(run, motion)
-    _require_contact(run)
-    _judge_start(run, float(np.max(speeds)))
+    require_contact(run)
+    if asker(depth=2) != "package":  # this function and the public one
+        doubt = start_doubt(run, float(np.max(speeds)))
+        if doubt is not None:
+            warn(doubt, PlausibilityWarning)
     return run
 
 
-def _require_contact(run: Run) -> None:
+def require_contact(run: Run) -> None:
     """Refuse a start at which a tire would hang above the road."""
     x = np.array([run.start])
     forces = run.forces(x, run.initial()[np.newaxis, : run.crossing.n_vehicle], np.zeros(1))[0]
@@ -51,17 +54,15 @@ def _require_contact(run: Run) -> None:
         )
 
 
-def _judge_start(run: Run, fastest: float) -> None:
-    """Warn where another road under the rear axles at the start would be felt at the bridge.
+def start_doubt(run: Run, fastest: float) -> str | None:
+    """Say so if another road under the rear axles at the start would be felt at the bridge.
 
     That tells whether what is not known counts, for the vehicle stands still there and has come
     along in truth: a level road instead of a known one, the mirror image ahead of an unknown one.
     """
     vehicle, way, paths = run.crossing.linear, -run.start, run.crossing.paths
     if run.profile is None or way == 0 or vehicle.n_tires == 1:
-        return
-    if asker(depth=3) == "package":  # this function, `begin` and the public one
-        return
+        return None
     tires = run.crossing.tire_positions(run.start)
     fronts = tires + paths.signs * paths.offsets
     ahead, level = (run.profile.drop(x, run.datum) for x in (2 * fronts - tires, fronts))
@@ -73,7 +74,7 @@ def _judge_start(run: Run, fastest: float) -> None:
     state = vehicle.flexibility @ (vehicle.tire_map.T @ changes)
     left = _swing(vehicle, expm(matrix * (way / fastest)) @ state)
     if left <= LEFT:
-        return
+        return None
     slowest = -float(np.linalg.eigvals(matrix).real.max())
     remedy = "nothing ends it without damping"
     if slowest > UNDAMPED:
@@ -81,10 +82,9 @@ def _judge_start(run: Run, fastest: float) -> None:
         logs = np.log([_swing(vehicle, state) / LEFT, left / LEFT])
         enough = np.ceil((logs * fastest / slowest + [0.0, way]).max())
         remedy = f"type start=-{enough:g} for less than {LEFT:.0%}"
-    warn(
+    return (
         f"start = {run.start:g} m is not forgotten at the bridge: with another road under the rear "
-        f"axles there a tire force would differ by {left:.0%} of the static one; {remedy}",
-        PlausibilityWarning,
+        f"axles there a tire force would differ by {left:.0%} of the static one; {remedy}"
     )
 
 

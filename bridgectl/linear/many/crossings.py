@@ -1,0 +1,222 @@
+"""Many crossings at once: what is given, checked; arrays where they fit, else one by one.
+
+The single route (`bridgectl.linear.samples.peaks_of_effects`) takes what arrays do not: tires with
+damping, several vehicles, roads of uneven stations, stiff vehicles or many modes, effects that are
+not of the tire forces and modes alone, and tires that leave the road or come near it. Whether it
+does is a matter of that crossing alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bridgectl import _checks
+from bridgectl._checks import FloatArray
+from bridgectl._progress import track
+from bridgectl._threads import on_one_thread
+from bridgectl.linear.many.engine import Engine
+from bridgectl.linear.runs import Run, covered, require_beyond
+from bridgectl.linear.samples import peaks_of_effects
+from bridgectl.linear.start import require_contact
+from bridgectl.model.bridge import BridgeModel
+from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.effect import Effect
+from bridgectl.model.motion import Motion
+from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.vehicle import Vehicle
+from bridgectl.road import RoadProfile
+
+
+class ManyCrossings(NamedTuple):
+    """What is kept of N crossings, effects first."""
+
+    static_peaks: FloatArray
+    """Largest or smallest effect of the weight alone, in its unit, 0 if none, (n_effects, N)."""
+    factors: FloatArray
+    """Peaks over the static ones; in the effect's unit where there is none, (n_effects, N)."""
+    places: FloatArray
+    """Of the reference tire at the peaks [m], (n_effects, N)."""
+    times: FloatArray
+    """The same [s], 0 where it comes on the bridge, (n_effects, N)."""
+    least: FloatArray
+    """Least tire force over its static load on approach and bridge, (N,): of a tire that stays down
+    within some percent, for it is looked for at places some 5 cm apart."""
+    flights: FloatArray
+    """Where a tire first leaves the road [m], not a number where none does, (N,)."""
+    alone: NDArray[np.bool_]
+    """Which crossings the single route took, (N,)."""
+
+    @property
+    def peaks(self) -> FloatArray:
+        """Largest or smallest effect in its unit, (n_effects, N)."""
+        return self.factors * np.where(self.static_peaks == 0, 1.0, self.static_peaks)
+
+    @property
+    def lifts_off(self) -> NDArray[np.bool_]:
+        """Whether a tire leaves the road, (N,)."""
+        return ~np.isnan(self.flights)
+
+
+def is_sequence(value: Any) -> bool:
+    """Whether vehicles or roads are given as a sequence of them."""
+    return isinstance(value, list | tuple)
+
+
+class Given(NamedTuple):
+    """Crossings of vehicles at speeds on roads, one each, checked."""
+
+    beam: BridgeModel
+    crossings: list[list[Crossing]]
+    """By effect and vehicle."""
+    speeds: FloatArray
+    roads: list[RoadProfile | None]
+    start: float
+
+    @property
+    def runs(self) -> list[Run]:
+        """Each crossing by itself, of the first effect."""
+        each = zip(self.crossings[0], self.roads, strict=True)
+        return [Run(crossing, self.start, crossing.exit, road) for crossing, road in each]
+
+
+def given(
+    beam: BridgeModel,
+    vehicles: Sequence[Vehicle | QuarterCar],
+    speeds: ArrayLike | Sequence[Any],
+    profiles: RoadProfile | Sequence[RoadProfile | None] | None,
+    start: float,
+    effects: Sequence[Effect | str],
+    section: float = 0.5,
+    recovery: str = "exact",
+) -> Given:
+    """Check many crossings: speeds and roads are one for all, or one each."""
+    if not effects:
+        raise ValueError("effect must be one effect or more, got none: type effect='moment'")
+    count = len(vehicles)
+    c = _paired_speeds(speeds, count)
+    roads = _paired_roads(profiles, count)
+    crossings: list[list[Crossing]] = [[] for _ in effects]
+    for i, vehicle in enumerate(vehicles):
+        with _of_vehicle(i, vehicle):
+            for own, effect in zip(crossings, effects, strict=True):
+                own.append(make_crossing(beam, vehicle, effect, section, recovery))
+    every = Given(beam, crossings, c, roads, _checks.number("start", start, unit="m"))
+    checked = set()
+    for i, crossing in enumerate(crossings[0]):
+        road, paths = roads[i], crossing.paths
+        plain = not paths.opposite.any() and not paths.motions
+        if plain and id(road) in checked:
+            continue
+        with _of_road(i, profiles):
+            require_beyond(covered(crossing, road, start))
+        if plain:
+            checked.add(id(road))
+        paths.require(Motion(float(c[i])))
+    return every
+
+
+class _Named:
+    """Tells which of a sequence an error is of."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: Any, error: BaseException | None, _: Any) -> None:
+        if isinstance(error, TypeError | ValueError):
+            raise type(error)(f"{self.name}: {error}") from None
+
+
+def _of_vehicle(i: int, vehicle: Any) -> _Named:
+    return _Named(f"vehicle[{i}]")
+
+
+def _of_road(i: int, profiles: Any) -> _Named:
+    return _Named(f"profile[{i}]" if is_sequence(profiles) else "profile")
+
+
+def _paired_speeds(speeds: Any, count: int) -> FloatArray:
+    """A speed [m/s] for each vehicle, from one for all or one each."""
+    each = list(speeds) if is_sequence(speeds) else [speeds]
+    bent = [one for one in each if isinstance(one, Motion) and not one.uniform]
+    if bent:
+        raise ValueError(
+            f"speeds must be constant with a sequence of vehicles, got {bent[0]!r}: type its speed "
+            "in m/s, or pass one vehicle at a time"
+        )
+    if any(isinstance(one, Motion) for one in each):
+        speeds = [one.speed if isinstance(one, Motion) else one for one in each]
+    c = _checks.speeds(speeds)
+    if c.size not in (1, count):
+        raise ValueError(
+            f"speeds must be one for all {count} vehicles, or one each, got {c.size}: for every "
+            "vehicle at every speed pass vehicles one at a time"
+        )
+    return np.repeat(c, count) if c.size == 1 else c
+
+
+def _paired_roads(profiles: Any, count: int) -> list[RoadProfile | None]:
+    """A road for each vehicle, from one for all or one each."""
+    if not is_sequence(profiles):
+        return [profiles] * count
+    if len(profiles) != count:
+        raise ValueError(
+            f"profile must be one road for all {count} vehicles, or one each, got {len(profiles)}: "
+            "for every vehicle on every road pass vehicles one at a time"
+        )
+    return list(profiles)
+
+
+@on_one_thread
+def many_crossings(
+    beam: BridgeModel,
+    vehicles: Sequence[Vehicle | QuarterCar],
+    speeds: ArrayLike,
+    profiles: RoadProfile | Sequence[RoadProfile | None] | None = None,
+    *,
+    start: float = 0.0,
+    effects: Sequence[Effect | str] = ("moment",),
+    progress: bool = False,
+) -> ManyCrossings:
+    """Simulate crossings of vehicles at speeds on roads, one each or one for all, without a word.
+
+    The numbers of a crossing are its own to the bit, whatever the others are.
+    """
+    return simulate(given(beam, vehicles, speeds, profiles, start, effects), progress=progress)
+
+
+def simulate(
+    many: Given, method: str = "propagator", *, progress: bool = False
+) -> ManyCrossings:
+    """Simulate what was given."""
+    n_effects, count = len(many.crossings), len(many.speeds)
+    statics = np.array([[crossing.static_peak for crossing in own] for own in many.crossings])
+    statics = statics.reshape(n_effects, count)
+    result = ManyCrossings(
+        statics, *np.full((3, n_effects, count), np.nan), *np.full((2, count), np.nan),
+        np.ones(count, bool),
+    )  # fmt: skip
+    if method == "propagator" and count:
+        effects = [own[0].effect for own in many.crossings]
+        vehicles = [crossing.linear for crossing in many.crossings[0]]
+        found = Engine(many.beam, many.start, effects).run(vehicles, many.speeds, many.roads)
+        taken = found.taken
+        result.factors[:, taken] = found.peaks[:, taken]
+        result.factors[:, taken] /= np.where(statics == 0, 1.0, statics)[:, taken]
+        result.places[:, taken], result.least[taken] = found.places[:, taken], found.least[taken]
+        result.alone[taken] = False
+    left, runs = np.flatnonzero(result.alone), many.runs
+    for i in track(left, "Simulating crossings one by one", len(left), show=progress):
+        own = [of[i] for of in many.crossings]
+        with _of_vehicle(i, own):
+            require_contact(runs[i])
+            one = peaks_of_effects(runs[i], own, many.speeds[[i]], method, progress=False)
+        result.factors[:, i], result.places[:, i] = one.factors[:, 0], one.places[:, 0]
+        result.least[i], result.flights[i] = one.least[0], one.flights[0]
+    return result._replace(times=result.places / many.speeds)
