@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from typing import Any
 
 import numpy as np
-from bridgectl._parts import Kind, Part, Parts
-from bridgectl.fleet.assessment import Assessment
-from bridgectl.fleet.fleet import Fleet
 
 from bridgectl import _checks as check
+from bridgectl._parts import Kind, Parts
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._progress import shows, track
 from bridgectl._warn import warn
 from bridgectl._work import Work, at_most, require_feasible
 from bridgectl._workers import in_processes
 from bridgectl.dampers.fitted import Dampers, fitted_everywhere
+from bridgectl.fleet.assessment import Assessment
+from bridgectl.fleet.fleet import Fleet
+from bridgectl.fleet.gathered import Gathered
 from bridgectl.fleet.share import shapes, simulate_share
 from bridgectl.fleet.study import SHARE, Study, checked_roads, checked_share
 from bridgectl.linear.lift_off import LiftOffWarning
@@ -184,7 +185,7 @@ def _study(
     if damper is not None:
         judge_range(first.vehicle, fitted_everywhere(damper, first.vehicle))
     return Study(
-        bridge, fleet, known, tuple(crossing.effect for crossing in crossings.values()), before,
+        bridge, fleet, fleet.kinds, known, tuple(crossing.effect for crossing in crossings.values()), before,
         check.integer("seed", seed, at_least=0), damper, share, rate, factor,
     ), list(crossings)  # fmt: skip
 
@@ -221,3 +222,22 @@ def _require_feasible(study: Study, n: int, *, announced: bool) -> None:
         )
 
     require_feasible(work, {"n": at_most(n, 1000)}, announced=announced)
+
+
+def _assessment(
+    study: Study, names: Sequence[str], shares: Sequence[range], parts: Parts,
+    per_day: float | None,
+) -> Assessment:  # fmt: skip
+    """Put the shares together, in order; tell of tires that leave the road."""
+    rows = Gathered(study, names, shares[-1].stop)
+    for own in shares:
+        rows.take(own, parts[_name(own)])
+    if flights := rows.flights:
+        warn(
+            f"a tire leaves the road in {flights} of {len(rows)} crossings: simulated there "
+            "with R >= 0",
+            LiftOffWarning,
+        )
+    units = {name: effect.unit for name, effect in zip(names, study.effects, strict=True)}
+    known = None if per_day is None or np.isnan(per_day) else per_day
+    return Assessment(rows.columns, units, repr(study.bridge), known)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -300,6 +301,26 @@ class Fleet:
     def left_out(self) -> tuple[str, ...]:
         """Bad rows of the table that were left out, each with its place and what is wrong."""
         return self._source.rows.left_out if isinstance(self._source, Weighed) else ()
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Names of all kinds of trucks."""
+        return self._source.kind_names
+
+    def digest(self) -> str:
+        """Return a short text that only the same trucks have.
+
+        Returns
+        -------
+        str
+        """
+        indices = "" if self._indices is None else self._indices.tobytes().hex()
+        return sha256(f"{self._source.told()}{indices}".encode()).hexdigest()[:16]
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether it is a table, or a part of a fleet."""
+        return self._size is not None
 
     @property
     def _size(self) -> int | None:

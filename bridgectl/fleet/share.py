@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from bridgectl.fleet.fleet import Passing
-from bridgectl.linear.many import many_crossings
 from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
+from bridgectl.fleet.sources import Passing
 from bridgectl.fleet.study import HOUR, Draws, Road, Share, Study, time_on_bridge
 from bridgectl.linear.lift_off import LiftOffWarning
+from bridgectl.linear.many.crossings import many_crossings
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.traffic import convoy
 from bridgectl.model.vehicle import Vehicle
@@ -24,8 +24,8 @@ OF_TRUCKS = ("kind", "speed", "gross_weight", "n_axles", "meeting")
 
 OF_CROSSINGS = ("road", "least_tire_force")
 
-OF_EFFECTS = ("static", "total", "place")
-"""What is told of each crossing and effect; times follow from places."""
+OF_EFFECTS = ("static_peaks", "factors", "places", "times")
+"""What is told of each crossing and effect: see `ManyCrossings`."""
 
 Part = dict[str, NDArray[Any]]
 """Arrays of a share: (n,) of trucks, (qualities, n) of crossings, (effects, qualities, n)."""
@@ -127,11 +127,11 @@ def _simulated(share: Share, meant: Sequence[_Meant]) -> Part:
             [meant[k].vehicle for k in own] * by_road,
             np.tile([meant[k].speed for k in own], by_road),
             [road for roads in _roads(share, own) for road in roads],
-            meant[own[0]].start, study.effects,
+            start=meant[own[0]].start, effects=study.effects,
         )  # fmt: skip
         for name in OF_EFFECTS:
             found[name][..., own] = getattr(many, name).reshape(effects, by_road, -1)
-        found["least_tire_force"][:, own] = many.least_force.reshape(by_road, -1)
+        found["least_tire_force"][:, own] = many.least.reshape(by_road, -1)
     return found
 
 

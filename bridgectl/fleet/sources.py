@@ -38,6 +38,15 @@ class Drawn:
 
     size = None
 
+    @property
+    def kind_names(self) -> tuple[str, ...]:
+        """Names of the kinds."""
+        return tuple(kind.name for kind in self.kinds)
+
+    def told(self) -> str:
+        """All that the trucks depend on."""
+        return f"{self.kinds!r} {self.seed}"
+
     @cached_property
     def _key(self) -> FloatArray:
         return key_of(self.seed)
@@ -88,6 +97,16 @@ class Weighed:
     def size(self) -> int:
         """How many there are."""
         return int(self.rows.speed.size)
+
+    @property
+    def kind_names(self) -> tuple[str, ...]:
+        """Names of the kinds."""
+        return tuple(sorted({kind_of(row[~np.isnan(row)]) for row in self.rows.spacings}))
+
+    def told(self) -> str:
+        """All that the trucks depend on."""
+        table = [array.tobytes().hex() for array in self._arrays]
+        return f"{table} {self.unweighed!r} {self.seed}"
 
     @cached_property
     def _key(self) -> FloatArray:

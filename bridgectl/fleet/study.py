@@ -7,16 +7,17 @@ row i of a table of random numbers that is never made as a whole.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from bridgectl.fleet.fleet import Fleet, Passing
 from numpy.typing import NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.fitted import Dampers
+from bridgectl.fleet.fleet import Fleet
+from bridgectl.fleet.sources import Passing
 from bridgectl.model.bridge import BridgeModel, described
 from bridgectl.model.effect import Effect
 from bridgectl.road import RoadProfile
@@ -75,6 +76,8 @@ class Study:
 
     bridge: BridgeModel
     fleet: Fleet
+    kinds: tuple[str, ...]
+    """Of all trucks."""
     roads: Mapping[str, Mapping[int, Road]]
     """Roads by the name of their quality, and by number."""
     effects: tuple[Effect, ...]
@@ -88,10 +91,9 @@ class Study:
 
     def partners(self, crossings: range, draws: Draws) -> NDArray[np.intp]:
         """Which trucks of the fleet meet those of some crossings, where one does."""
-        size = self.fleet.size
-        if size is None:
+        if not self.fleet.is_finite:
             return FAR_ON + np.array(crossings)
-        return np.floor(draws.partner * size).astype(int)
+        return np.floor(draws.partner * len(self.fleet)).astype(int)
 
     def share(self, crossings: range) -> Share:
         """Some crossings, with what they need and no more."""
@@ -123,7 +125,7 @@ class Study:
         }
         return {
             "bridge": described(self.bridge),
-            "fleet": [repr(self.fleet), joblib.hash(asdict(self.fleet.source))],
+            "fleet": [repr(self.fleet), self.fleet.digest()],
             "roads": [list(self.roads), joblib.hash(of_roads)],
             "effects": dict(zip(names, map(repr, self.effects), strict=True)),
             "approach": self.approach,

@@ -22,7 +22,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 
 METHODS = ("block maxima", "peaks over threshold")

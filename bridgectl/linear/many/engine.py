@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bridgectl._checks import FloatArray
 from bridgectl.linear.many.maps import Fleet, fleet_of, maps_of
 from bridgectl.linear.many.march import Group, march
-from bridgectl.linear.many.places import Table, table
+from bridgectl.linear.many.places import table
 from bridgectl.linear.many.roads import EvenRoad, Layout, Rows, even_road, layout
 from bridgectl.linear.many.tops import Read, find_tops
 from bridgectl.linear.nodes import MAX_WIDTH

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import GAUSS, N_STAGES
-from bridgectl.linear.many.march import Group, Marched
 from bridgectl.linear.many.maps import TERMS
+from bridgectl.linear.many.march import Group, Marched
 from bridgectl.linear.many.places import Table
 from bridgectl.linear.peaks import KNOTS, TO_FINE, tops
 
