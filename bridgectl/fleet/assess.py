@@ -16,18 +16,18 @@ from bridgectl._progress import shows, track
 from bridgectl._warn import warn
 from bridgectl._work import Work, at_most, require_feasible
 from bridgectl._workers import in_processes
-from bridgectl.dampers.fitted import Dampers, fitted_everywhere
+from bridgectl.dampers.fitted import Dampers, fitted
 from bridgectl.fleet.assessment import Assessment
 from bridgectl.fleet.fleet import Fleet
 from bridgectl.fleet.gathered import Gathered
 from bridgectl.fleet.share import shapes, simulate_share
-from bridgectl.fleet.study import SHARE, Study, checked_roads, checked_share
+from bridgectl.fleet.study import DamperOf, Study, checked_roads, checked_share
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing, require_factor
 from bridgectl.model.effect import Effect
 
-SECONDS, DAMPED_SECONDS = 2e-3, 0.1
+SECONDS, DAMPED_SECONDS = 2e-3, 1.0
 """Time of a crossing on one core [s], passive and with semi-active dampers."""
 
 FILE = Kind("an assessment", 1)
@@ -42,7 +42,7 @@ def assess(
     effects: Any = "moment",
     n: int | None = None,
     approach: float = 100.0,
-    damper: Dampers | None = None,
+    damper: Dampers | DamperOf | None = None,
     damper_share: float = 1.0,
     meeting_rate: float = 0.0,
     lane_factor: float = 1.0,
@@ -70,9 +70,11 @@ def assess(
         Number of crossings. Default: the trucks of a table.
     approach : float, optional
         Road before the bridge that is driven [m]; trucks start at rest.
-    damper, damper_share : optional
-        Semi-active dampers, see `bridgectl.crossing_response`, and the share of trucks that cross
-        with them, too. They do not go with meetings.
+    damper : Damper, Strategy, list or dict of them, or function, optional
+        Semi-active dampers: see `bridgectl.crossing_response`. A function of bridge and truck
+        makes them for each truck. They do not go with meetings.
+    damper_share : float, optional
+        Share of trucks that cross with them, too; such a crossing takes about a second.
     meeting_rate : float, optional
         Trucks an hour that come from the other end, at random times and of the same fleet. Roads
         must then reach as far behind the bridge as before it. One meets each truck at most.
@@ -132,14 +134,17 @@ def assess(
     )  # fmt: skip
     check.flag("progress", progress)
     _require_feasible(study, count, announced=not shows(progress))
-    shares = [range(i, min(i + SHARE, count)) for i in range(0, count, SHARE)]
+    shares = study.shares(count)
     expected = {_name(own): shapes(study, own) for own in shares}
     with Parts(resume, study.header(names), expected, FILE, in_memory=resume is None) as parts:
         todo = [own for own in shares if _name(own) not in parts]
         jobs = ((study.share(own),) for own in todo)
-        workers = check.workers(workers, len(todo))
         with closing(in_processes(simulate_share, jobs, workers, scheduler)) as found:
-            for index, part in track(found, "Crossings", len(todo), show=progress):
+            done = count - sum(map(len, todo))
+            for index, part in track(
+                found, "Crossings", count, show=progress, before=done, unit="crossings",
+                weight=lambda result: len(todo[result[0]]),
+            ):  # fmt: skip
                 parts.keep(*_name(todo[index]), part)
         return _assessment(study, names, shares, parts, per_day)
 
@@ -151,7 +156,7 @@ def _name(crossings: range) -> tuple[str, str]:
 
 def _study(
     bridge: BridgeModel, fleet: Fleet, roads: Any, effects: Any, approach: float,
-    damper: Dampers | None, damper_share: float, meeting_rate: float, lane_factor: float,
+    damper: Dampers | DamperOf | None, damper_share: float, meeting_rate: float, lane_factor: float,
     seed: int,
 ) -> tuple[Study, list[str]]:  # fmt: skip
     """Check what is asked for; return it with the names of the effects."""
@@ -183,9 +188,11 @@ def _study(
     every = [road for own in known.values() for road in own.values() if road is not None]
     judge_crossing(next(iter(crossings.values())), np.array([first.speed]), *every)
     if damper is not None:
-        judge_range(first.vehicle, fitted_everywhere(damper, first.vehicle))
+        own = damper(bridge, first.vehicle) if callable(damper) else damper
+        judge_range(first.vehicle, fitted(own, first.vehicle))
+    own_effects = tuple(crossing.effect for crossing in crossings.values())
     return Study(
-        bridge, fleet, fleet.kinds, known, tuple(crossing.effect for crossing in crossings.values()), before,
+        bridge, fleet, fleet.kinds, known, own_effects, before,
         check.integer("seed", seed, at_least=0), damper, share, rate, factor,
     ), list(crossings)  # fmt: skip
 
@@ -201,12 +208,13 @@ def _named(effects: Any) -> dict[str, Effect | str]:
 
 def _count(fleet: Fleet, n: int | None) -> int:
     """Number of crossings."""
-    size = len(fleet) if fleet.is_finite else None
-    if n is None and size is None:
-        raise ValueError("n must be given for a fleet without end: type n=1000")
-    count = size if n is None else check.integer("n", n, at_least=1)
-    if size is not None and count > size:
-        raise ValueError(f"n must be at most {size}, the number of trucks of the fleet, got {n}")
+    if n is None:
+        if not fleet.is_finite:
+            raise ValueError("n must be given for a fleet without end: type n=1000")
+        return len(fleet)
+    count = check.integer("n", n, at_least=1)
+    if fleet.is_finite and count > len(fleet):
+        raise ValueError(f"n must be at most {len(fleet)}, the trucks of the fleet, got {n}")
     return count
 
 

@@ -138,12 +138,13 @@ def _simulated(share: Share, meant: Sequence[_Meant]) -> Part:
 def _damped(share: Share, meant: Sequence[_Meant], damped: NDArray[np.intp]) -> FloatArray:
     """Factors of some crossings with semi-active dampers, (effects, qualities, n)."""
     study = share.study
+    dampers = {k: study.damper_of(meant[k].passing.vehicle) for k in damped.tolist()}
     factors = [
         daf(
             study.bridge, meant[k].vehicle, meant[k].speed, road, start=meant[k].start,
-            effect=list(study.effects), damper=study.damper, progress=False,
+            effect=list(study.effects), damper=dampers[k], progress=False,
         )[:, 0]
-        for roads in _roads(share, damped) for k, road in zip(damped, roads, strict=True)
+        for roads in _roads(share, damped) for k, road in zip(damped.tolist(), roads, strict=True)
     ]  # fmt: skip
     return np.moveaxis(np.reshape(factors, (len(study.roads), len(damped), -1)), -1, 0)
 

@@ -6,8 +6,10 @@ row i of a table of random numbers that is never made as a whole.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,12 +17,17 @@ from numpy.typing import NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl.dampers.fitted import Dampers
+from bridgectl.dampers.fitted import Dampers, fitted
+from bridgectl.dampers.told import told_of
 from bridgectl.fleet.fleet import Fleet
 from bridgectl.fleet.sources import Passing
 from bridgectl.model.bridge import BridgeModel, described
 from bridgectl.model.effect import Effect
+from bridgectl.model.vehicle import Vehicle
 from bridgectl.road import RoadProfile
+
+DamperOf = Callable[[BridgeModel, Vehicle], Dampers]
+"""What chooses a damper for a bridge and a truck."""
 
 Road = RoadProfile | None
 """A road, or a smooth one."""
@@ -28,8 +35,15 @@ Road = RoadProfile | None
 DRAWN = 8
 """Random numbers of a crossing: see `Draws`."""
 
-SHARE = 500
-"""Crossings of one share of the work: what an interruption may cost, and arrays that fit."""
+SHARE, DAMPED_SHARE = 500, 50
+"""Crossings of one share of the work, what an interruption may cost; where some of them are with
+semi-active dampers, which take a second each."""
+
+SPEEDS = np.array([10.0, 40.0])
+"""At which dampers are told from others [m/s]."""
+
+TOLD = 3
+"""Trucks whose dampers are told."""
 
 HOUR = 3600.0
 
@@ -83,11 +97,23 @@ class Study:
     effects: tuple[Effect, ...]
     approach: float
     seed: int
-    damper: Dampers | None
+    damper: Dampers | DamperOf | None
     damper_share: float
     meeting_rate: float
     """Trucks an hour that come from the other end."""
     lane_factor: float
+
+    def shares(self, n: int) -> list[range]:
+        """The first n crossings in shares."""
+        size = SHARE if self.damper is None else DAMPED_SHARE
+        return [range(i, min(i + size, n)) for i in range(0, n, size)]
+
+    def damper_of(self, vehicle: Vehicle) -> Dampers:
+        """The damper of a truck that has one."""
+        if callable(self.damper):
+            return self.damper(self.bridge, vehicle)
+        assert self.damper is not None  # or no truck has one
+        return self.damper
 
     def partners(self, crossings: range, draws: Draws) -> NDArray[np.intp]:
         """Which trucks of the fleet meet those of some crossings, where one does."""
@@ -115,6 +141,17 @@ class Study:
             return np.zeros(0, dtype=np.intp)
         return np.flatnonzero(Draws.of(self.seed, crossings).damper < self.damper_share)
 
+    def _told_damper(self) -> str:
+        """A short text that only the same dampers have, as far as the first trucks show."""
+        if self.damper is None:
+            return ""
+        first = [
+            self.fleet.passing(i).vehicle
+            for i in range(TOLD if not self.fleet.is_finite else min(TOLD, len(self.fleet)))
+        ]
+        each = [told_of(fitted(self.damper_of(truck), truck), SPEEDS) for truck in first]
+        return sha256(json.dumps(each).encode()).hexdigest()[:16]
+
     def header(self, names: Sequence[str]) -> dict[str, Any]:
         """What two studies share if their parts fit together."""
         import joblib  # late, as it is slow to load
@@ -130,7 +167,7 @@ class Study:
             "effects": dict(zip(names, map(repr, self.effects), strict=True)),
             "approach": self.approach,
             "seed": self.seed,
-            "damper": None if self.damper is None else repr(self.damper),
+            "damper": self._told_damper(),
             "damper_share": self.damper_share,
             "meeting_rate": self.meeting_rate,
             "lane_factor": self.lane_factor,

@@ -18,8 +18,8 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, count_pieces, even_places
 from bridgectl.dampers.actuator import Damper
 from bridgectl.dampers.fitted import Dampers, Fitted, fitted_everywhere
-from bridgectl.dampers.signals import SIGNALS
 from bridgectl.dampers.strategy import Strategy
+from bridgectl.dampers.told import told_of
 from bridgectl.model.bridge import BridgeModel, described
 from bridgectl.model.bridge_effects import Moment
 from bridgectl.model.crossing import Crossing
@@ -202,22 +202,9 @@ def parameters(vehicle: Vehicle | QuarterCar) -> dict[str, Any]:
 
 def key(device: Fitted, study: Study, piece: Piece) -> str:
     """Tell dampers, and the roads if the piece is of them, from others: their text, shortened."""
-    told = [_told(damper, study) for damper in device.dampers]
+    told = told_of(device, study.speeds)
     text = json.dumps(told if len(told) > 1 else told[0])
     whole = hashlib.sha256(text.encode())
     if not isinstance(piece, str):
         whole.update(np.ascontiguousarray(study.elevations).tobytes())
     return whole.hexdigest()[:16]
-
-
-def _told(damper: Damper, study: Study) -> list[Any]:
-    ends = [damper.strategy.for_speed(float(c)) for c in study.speeds[[0, -1]]]
-    return [
-        repr(damper.strategy),  # what a strategy chooses gains from is in no function
-        [law.function.serialize() for law in ends],
-        *([damper.strategy.signals] if damper.strategy.signals != SIGNALS else []),
-        damper.strategy.gains,
-        [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
-        [damper.position_error, damper.position_deviation],
-        [damper.acceleration_noise, damper.travel_noise],
-    ]
