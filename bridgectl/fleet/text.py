@@ -24,10 +24,10 @@ least of all crossings.
 """
 
 TAIL_NOTE = """\
-One crossing in {crossings:.3g} exceeds the characteristic effects: one in {years:g} years of {days:g}
-days with {trucks:g} trucks ({method}). ADR, the assessment dynamic ratio: total over static one.
-In brackets their {confidence:g} % intervals. p: how often a sample of the fits lies as far off as
-these of the total and the static effect do (Anderson-Darling).
+Characteristic effects are those that one crossing in {crossings:.3g} exceeds: one in {years:g} years
+of {days:g} days with {trucks:g} trucks, by {method}. ADR, the assessment dynamic ratio:
+total over static one. In brackets: {confidence:g} % intervals. p: how often a sample of the fits to
+the total and the static effect lies as far off them as these (Anderson-Darling).
 """
 
 INFLUENCE_NOTE = """\
@@ -43,9 +43,7 @@ def assessment_text(assessment: Assessed, return_period: float, options: dict[st
     return text.getvalue()
 
 
-def print_assessment(
-    assessment: Assessed, return_period: float, options: dict[str, Any]
-) -> None:
+def print_assessment(assessment: Assessed, return_period: float, options: dict[str, Any]) -> None:
     """Print the tables of an assessment and what they say."""
     console = make_console()
     console.print(_heading(assessment))
@@ -56,9 +54,7 @@ def print_assessment(
     share = options.get("damper_share")
     console.print(_daf_table(assessment, qualities, effects, share))
     console.print(DAF_NOTE, soft_wrap=True)
-    with_factor = [
-        effect for effect in effects if np.any(assessment.columns[f"static {effect}"])
-    ]
+    with_factor = [effect for effect in effects if np.any(assessment.columns[f"static {effect}"])]
     _print_tails(assessment, qualities, with_factor, return_period, options)
     if len(assessment.qualities) > 1 or damped:
         console.print(_influence_table(assessment, with_factor))
@@ -139,7 +135,7 @@ def _print_tails(
 
 
 def _tail_note(rule: Rule) -> str:
-    how = {METHODS[0]: "largest values of blocks", METHODS[1]: "exceedances of a threshold"}
+    how = {METHODS[0]: "the largest of blocks", METHODS[1]: "exceedances of a threshold"}
     return TAIL_NOTE.format(
         crossings=rule.crossings, years=rule.return_period, days=rule.days_a_year,
         trucks=rule.crossings_a_day, method=how[rule.method], confidence=100 * CONFIDENCE,
