@@ -47,6 +47,8 @@ class Read(NamedTuple):
 
     effect: str
     unit: str
+    sign: int
+    """-1 if the smallest values count: the readings are of their negatives."""
     daf: FloatArray
     daf_by_quality: Mapping[str, FloatArray]
     total: Reading
@@ -225,7 +227,7 @@ class Assessment(Crossings):
             threshold,
         )  # fmt: skip
         read.rule.warn_if_short(len(read.total.values))
-        sign, total, static = self._sign(effect), read.total, read.static
+        sign, total, static = read.sign, read.total, read.static
         return Characteristic(
             total.estimate.times(sign), static.estimate.times(sign), total.tail, static.tail
         )
@@ -391,7 +393,9 @@ class Assessment(Crossings):
         name, sign = self._effect(effect), self._sign(effect)
         a_day = self.trucks_a_day if trucks_a_day is None else trucks_a_day
         if a_day is None:
-            raise ValueError("trucks_a_day must be said for a return period: type trucks_a_day=1000")
+            raise ValueError(
+                "trucks_a_day must be said for a return period: type trucks_a_day=1000"
+            )
         limit = None if threshold is None else sign * check.number("threshold", threshold)
         rule = Rule(method, return_period, a_day, days_a_year, block, limit).checked()
         rows = self._rows(quality, damper_share)
@@ -403,4 +407,4 @@ class Assessment(Crossings):
             for each in self.qualities
         }
         total, static = (rule.reading(sign * values[each]) for each in ("total", "static"))
-        return Read(name, self.effects[name], values["daf"], daf, total, static, rule)
+        return Read(name, self.effects[name], sign, values["daf"], daf, total, static, rule)

@@ -25,8 +25,8 @@ class DafBins(NamedTuple):
     """Lower edges, in the unit of the effect."""
     high: FloatArray
     """Upper edges."""
-    count: NDArray[np.integer[Any]]
-    """Crossings."""
+    crossings: NDArray[np.integer[Any]]
+    """Number of crossings."""
     mean: FloatArray
     """Mean DAF."""
     quantiles: FloatArray

@@ -45,6 +45,16 @@ class Crossings:
         words = self.columns["quality"]
         return tuple(words.names[code] for code in np.unique(words.codes))
 
+    @property
+    def most_damped(self) -> float:
+        """Largest share of trucks that were simulated with dampers, on the road with the least."""
+        shares = []
+        for quality in self.qualities:
+            own = self.columns["quality"].is_word(quality)
+            truck, damped = self.columns["truck"][own], self.columns["damped"][own]
+            shares.append(len(np.unique(truck[damped])) / len(np.unique(truck)))
+        return min(shares)
+
     def to_pandas(self) -> pandas.DataFrame:
         """Return the columns as a table, words as categories.
 

@@ -72,18 +72,14 @@ class Rule(NamedTuple):
             )
         return self
 
-    def tail(self, values: FloatArray) -> Tail:
-        """Return the fitted tail of values by crossing."""
-        if self.method == METHODS[0]:
-            return block_maxima(
-                values, self.block or usual_block(len(values), self.crossings_a_day)
-            )
-        return peaks_over_threshold(values, self.threshold)
-
     def reading(self, values: FloatArray) -> Reading:
         """Return what a return period asks of values by crossing."""
-        fits = self.crossings > len(values) and not same(values)
-        return Reading(values, self.crossings, self.tail(values) if fits else None)
+        if self.crossings <= len(values):
+            return Reading(values, self.crossings)
+        if self.method == METHODS[0]:
+            block = self.block or usual_block(len(values), self.crossings_a_day)
+            return Reading(values, self.crossings, block_maxima(values, block), block)
+        return Reading(values, self.crossings, peaks_over_threshold(values, self.threshold))
 
     def warn_if_short(self, n: int) -> None:
         """Warn that a return period is shorter than what was simulated."""
@@ -102,7 +98,8 @@ class Reading:
 
     values: FloatArray
     crossings: float
-    tail: Tail | None
+    tail: Tail | None = None
+    block: int | None = None
 
     @property
     def value(self) -> float:
@@ -126,32 +123,31 @@ class Reading:
     @cached_property
     def counting(self) -> FloatArray:
         """What of the values counts, in their order: peaks of blocks, or what is large enough."""
-        if self.tail is not None and self.tail.of_blocks:
-            block = round(self.tail.share)
-            whole = self.values[: len(self.values) // block * block]
-            return whole.reshape(-1, block).max(axis=1)
-        return self.values
+        if self.block is None:
+            return self.values
+        whole = self.values[: len(self.values) // self.block * self.block]
+        return whole.reshape(-1, self.block).max(axis=1)
 
     @cached_property
     def least(self) -> float:
-        """Smaller values do not count."""
+        """Values that are no larger do not count."""
         if self.tail is not None:
             return -math.inf if self.tail.of_blocks else self.tail.location
         rank = len(self.values) / self.crossings
         within = min(math.ceil(rank + 10 * math.sqrt(rank) + 20), len(self.values))
-        return float(np.partition(self.values, -within)[-within])
+        return float(np.nextafter(np.partition(self.values, -within)[-within], -math.inf))
 
     def again(self, counting: FloatArray) -> float:
         """Return the value if these counted."""
         if self.tail is None:
             return self._ranked(counting)
+        if self.tail.scale == 0:
+            return self.value
         peaks = np.sort(counting[counting > self.least])
         return float(self.tail.fitted_to(peaks, self.tail.n).value(self.crossings))
 
     def _ranked(self, counting: FloatArray) -> float:
         """Value of the rank that one in so many has."""
-        if self.crossings > len(self.values):  # all are the same
-            return float(counting.max())
         rank = (len(self.values) - 1) / self.crossings
         return float(np.interp(rank, np.arange(len(counting)), np.sort(counting)[::-1]))
 
@@ -163,7 +159,7 @@ def ratio(total: Reading, static: Reading) -> Estimate:
         return Estimate(value, value, value)
     pairs = np.column_stack([total.counting, static.counting])
     n = len(pairs)
-    pairs = pairs[(pairs[:, 0] >= total.least) | (pairs[:, 1] >= static.least)]
+    pairs = pairs[(pairs[:, 0] > total.least) | (pairs[:, 1] > static.least)]
     rng, found = np.random.default_rng(SEED), []
     for _ in range(N_DRAWS):
         # Of those that count: the others only take their places in the sample.

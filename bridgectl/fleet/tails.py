@@ -151,10 +151,10 @@ class Tail:
 def _distance(tail: Tail) -> float:
     """Anderson and Darling's A^2 of the fit."""
     m = len(tail.peaks)
-    odd = 2 * np.arange(m) + 1
-    below, above = tail.distribution.logcdf(tail.peaks), tail.distribution.logsf(tail.peaks)
-    # A fit may end where the largest peak is.
-    return float(-m - odd @ np.maximum(below + above[::-1], -FAR) / m)
+    y = _inverse_growth((tail.peaks - tail.location) / tail.scale, tail.shape)
+    above = np.log(-np.expm1(-np.exp(-y))) if tail.of_blocks else -y
+    below = -np.exp(-y) if tail.of_blocks else np.log(-np.expm1(-y))
+    return float(-m - (2 * np.arange(m) + 1) @ (below + above[::-1]) / m)
 
 
 def block_maxima(values: FloatArray, block: int) -> Tail:
@@ -328,7 +328,8 @@ def _profile(x: FloatArray, w: float, tail: Tail) -> Callable[[float], float]:
     Over scale and location, in which it is well conditioned; they leave one shape.
     """
     # Where it is least beside values that were asked for: the next one is near.
-    found = {float(_growth(w, tail.shape)): np.zeros(2 if tail.of_blocks else 1)}
+    start: FloatArray = np.zeros(2 if tail.of_blocks else 1)
+    found = {float(_growth(w, tail.shape)): start}
 
     def least(value: float) -> float:
         def cost(p: FloatArray) -> float:

@@ -34,7 +34,7 @@ def fleet_figure(read: ReadShown) -> Figure:
     figure = Figure(figsize=(13.0, 8.2), layout="constrained")
     axes = figure.subplots(2, 3)
     unit, size = _unit(read.unit, np.abs(read.total.values).max())
-    label = f"{read.effect} [{unit}]"
+    label = f"{'' if read.sign > 0 else 'negative '}{read.effect} [{unit}]"
     readings = {"total": read.total, "static": read.static}
     _draw_daf(axes[0, 0], read, size, label)
     _draw_distributions(axes[0, 1], {n: each.values / size for n, each in readings.items()}, LOOKS)
@@ -84,9 +84,7 @@ def _draw_daf(ax: Axes, read: ReadShown, size: float, label: str) -> None:
     ax.set(xlabel=f"static {label}", ylabel="DAF [-]", title="amplification of static effects")
 
 
-def _draw_distributions(
-    ax: Axes, values: dict[str, FloatArray], colors: dict[str, str]
-) -> None:
+def _draw_distributions(ax: Axes, values: dict[str, FloatArray], colors: dict[str, str]) -> None:
     """Draw what share stays below."""
     shares = np.linspace(0, 1, N_POINTS)
     for name, each in values.items():
@@ -94,9 +92,7 @@ def _draw_distributions(
     ax.set_ylabel("share of the crossings below [-]")
 
 
-def _draw_levels(
-    ax: Axes, read: ReadShown, reading: ReadingShown, size: float, name: str
-) -> None:
+def _draw_levels(ax: Axes, read: ReadShown, reading: ReadingShown, size: float, name: str) -> None:
     """Draw peaks over their return periods, and the fit up to the one that is asked for."""
     color, tail, rule = LOOKS[name], reading.tail, read.rule
     value, low, high = np.array(reading.estimate) / size
