@@ -17,6 +17,7 @@ from bridgectl import _checks as check
 from bridgectl._units import from_kmh
 from bridgectl._work import memory_advice
 from bridgectl.cli import options
+from bridgectl.cli.assess import ASSESS_HELP, add_assess_options, run_assess
 from bridgectl.cli.dae import DAE_HELP, add_dae_options, run_dae
 from bridgectl.cli.score import SCORE_HELP, add_score_options, run_score
 from bridgectl.cli.trucks import TRUCKS_HELP, add_trucks_options, run_trucks
@@ -32,6 +33,7 @@ crossing.
 
   bridgectl score     damper strategies, scored for a bridge: amplification, road wear, ride
   bridgectl dae       the dynamic amplification estimate (DAE) of a measured road
+  bridgectl assess    what random traffic does to a bridge: amplification, characteristic effects
   bridgectl profile   roughness (IRI), spectrum and ISO 8608 class of a road file
   bridgectl trucks    the catalog of trucks: axle loads, distances, natural frequencies
   bridgectl paper     every number of Li, OBrien and Gonzalez (2006) beside the computed one
@@ -183,6 +185,8 @@ def _parser() -> _Parser:
 
     score = command("score", run_score, "damper strategies, scored for a bridge", SCORE_HELP)
     add_score_options(score)
+    brief = "what random traffic does to a bridge"
+    add_assess_options(command("assess", run_assess, brief, ASSESS_HELP))
     add_dae_options(command("dae", run_dae, "DAE and DAF of a measured road", DAE_HELP))
     brief = "IRI, spectrum and ISO class of a road file"
     profile = command("profile", _run_profile, brief, PROFILE_HELP)

@@ -89,9 +89,9 @@ def file_arguments(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def add_place_options(
-    parser: argparse.ArgumentParser, *, approach: float = 200.0, speeds: str = "50:150:1"
+    parser: argparse.ArgumentParser, *, approach: float = 200.0, speeds: str | None = "50:150:1"
 ) -> None:
-    """Add where the bridge is in the road, and the speeds, with their defaults."""
+    """Add where the bridge is in the road, and the speeds if any, with their defaults."""
     road = parser.add_argument_group("place of the bridge")
     add_option(road, "--station", "M", "station of the start of the bridge [m]; default: the first "
                "after the approach", as_number)  # fmt: skip
@@ -102,7 +102,8 @@ def add_place_options(
         help="keep the grade; by default the straight line through the road is taken off, "
         "as a vehicle that starts in equilibrium is not on a grade",
     )  # fmt: skip
-    _add_speeds(parser, speeds, speeds)
+    if speeds is not None:
+        _add_speeds(parser, speeds, speeds)
 
 
 def _add_speeds(parser: argparse.ArgumentParser, default: str | None, told: str) -> None:

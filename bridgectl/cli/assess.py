@@ -1,0 +1,264 @@
+"""`bridgectl assess`: its options, and what they ask for."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import bridgectl as bc
+from bridgectl import _checks as check
+from bridgectl._version import __version__
+from bridgectl.cli import bridges, options, roads
+from bridgectl.cli.effects import asked_effects
+from bridgectl.fleet.assessment import QUANTITIES, SHARES
+from bridgectl.fleet.tails import METHODS, Estimate
+from bridgectl.model.bridge import BridgeModel
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from bridgectl.dampers import Strategy
+
+CLASSES = "A,B"
+"""ISO 8608 classes of the random roads, if there are no others."""
+
+MEASURED = "measured"
+"""Quality of the roads in files."""
+
+ASSESS_HELP = """\
+Let random or weighed trucks cross a bridge, each at its speed on one of the roads, and say what the
+bridge has to bear: the total effect against the static one.
+
+  distribution     of static and total effect and of the dynamic amplification factor (DAF), which
+                   falls as the static effect rises
+  characteristic   effects of a return period, with 95 % confidence intervals, and their ratio, the
+                   assessment dynamic ratio (ADR), which stands for this bridge's dynamic factor
+  influence        of the quality of the road, and of semi-active dampers in a share of the trucks
+
+The trucks: --fleet, distributions in a TOML file, of which one ships (monte_carlo); or --weighed, a
+table of a weigh-in-motion station with times, speeds, axle loads and spacings, whose units are in
+the names of its columns (speed_kmh, load_1_kN, spacing_1_m, ...) or in --weighed-units.
+
+The roads: ROAD files, and --random N roads of each class of --classes. Each truck crosses once on
+each quality: on one of the files, on one of class A, ...
+
+It shows how far it is; --resume FILE keeps what is done when it is interrupted, and goes on from
+there with more trucks, too.
+
+examples:
+  bridgectl assess --trucks 2000 --trucks-a-day 1500 --plot bridge.png
+  bridgectl assess --weighed station.csv --classes A --span 35 --table crossings.parquet
+  bridgectl assess road.csv --units m,mm --spans 25,25 --mass-per-length 18e3 --frequency 4.1 \\
+                   --effect sagging@10,hogging@25 --trucks 5000 --trucks-a-day 2000
+  bridgectl assess --trucks 200 --trucks-a-day 1500 --damper bridgehook --damper-share 0.2
+  bridgectl assess --trucks 1000000 --trucks-a-day 4000 --resume big.jsonl --scheduler tcp://HOST:8786"""
+
+
+def add_assess_options(parser: argparse.ArgumentParser) -> None:
+    """Add every option but those of the output."""
+    trucks = parser.add_argument_group("trucks")
+    add = partial(options.add_option, trucks)
+    add("--fleet", "F", "a name that ships, or FILE.toml (default monte_carlo)")
+    add("--weighed", "FILE", "a table of weighed trucks, or 'example'")
+    add("--weighed-units", "U,U", "of columns whose names state none, as speed=km/h,load=kN")
+    trucks.add_argument(
+        "--leave-out-bad", action="store_true", help="leave out bad rows of the table, and say so"
+    )
+    add("--trucks", "N", "how many cross (default 2000; all that were weighed)", options.as_whole)
+    add("--trucks-a-day", "N", "for return periods (default: as weighed)", options.as_number)
+    add("--meeting", "N", "trucks an hour from the other end, at random times (default 0)",
+        options.as_number, 0.0)  # fmt: skip
+    add("--lane-factor", "X", "share of what trucks in the other lane do (default 1)",
+        options.as_number, 1.0)  # fmt: skip
+    add("--damper", "NAME", "of the strategies of 'bridgectl score', made for each truck")
+    add("--damper-share", "X", "of the trucks, that cross with it, too: a second each (default "
+        "0.1)", options.as_number, 0.1)  # fmt: skip
+    add("--seed", "N", "of all that is drawn (default 0)", options.as_whole, 0)
+    options.add_file_options(parser, many=True)
+    options.add_place_options(parser, approach=100.0, speeds=None)
+    random = parser.add_argument_group("random roads")
+    options.add_option(random, "--classes", "A,B", f"of ISO 8608 (default {CLASSES}, without ROAD)")
+    options.add_option(random, "--random", "N", "of each class (default 20)", options.as_whole, 20)
+    bridges.add_bridge_options(parser, effects=True)
+    period = parser.add_argument_group("characteristic values")
+    add = partial(options.add_option, period)
+    add("--return-period", "Y", "years (default 1000, of EN 1991-2; AASHTO has 75)",
+        options.as_number, 1000.0)  # fmt: skip
+    add("--days-a-year", "N", "on which trucks drive (default 250)", options.as_number, 250.0)
+    add("--method", "HOW", f"{' or '.join(METHODS)} (default {METHODS[1]})", None, METHODS[1])
+    work = parser.add_argument_group("work")
+    options.add_resume_option(work)
+    options.add_work_options(work)
+    options.add_option(work, "--table", "FILE", "keep a row for each crossing (csv, parquet)", Path)
+
+
+def run_assess(args: argparse.Namespace) -> None:
+    """Do what the command asks for."""
+    options.check_plot(args.plot)
+    options.check_work(args)
+    _check_table(args.table)
+    bridge, fleet = bridges.make_bridge(args), _fleet(args)
+    asked = asked_effects(args, bridge, fleet.passing(0).vehicle)
+    with options.resumed(args.resume):
+        found = bc.assess(
+            bridge, fleet, _roads(args, bridge.length),
+            effects={each.name: each.effect for each in asked}, n=_count(args, fleet),
+            approach=args.approach, damper=_damper(args), damper_share=args.damper_share,
+            meeting_rate=args.meeting, lane_factor=args.lane_factor, trucks_a_day=args.trucks_a_day,
+            seed=args.seed, resume=args.resume, workers=args.workers, scheduler=args.scheduler,
+        )  # fmt: skip
+    if args.table is not None:
+        write = found.to_csv if args.table.suffix.lower() == ".csv" else found.to_parquet
+        write(str(args.table))
+    rule = {"method": args.method, "days_a_year": args.days_a_year}
+
+    def show() -> None:
+        print(found.summary(args.return_period, **rule), end="")
+        if args.table is not None:
+            print(f"Table: {args.table}")
+
+    def draw() -> dict[Path, Figure]:
+        return {
+            path: found.plot(args.return_period, effect=effect, quality=quality, **rule)
+            for path, (effect, quality) in _pictures(args.plot, found).items()
+        }
+
+    try:
+        options.deliver(
+            args, draw, lambda: json.dumps(assessment_json(found, args, rule), indent=1), show
+        )
+    except ValueError:  # where there is no tail there is no figure, but all else
+        if not args.json:
+            show()
+        raise
+
+
+def _pictures(path: Path, found: bc.Assessment) -> dict[Path, tuple[str, str]]:
+    """The file of the figure of each effect and quality; with their names of several."""
+    each = [(effect, quality) for effect in found.effects for quality in found.qualities]
+    if len(each) == 1:
+        return {path: each[0]}
+    more = len(found.effects) > 1
+    return {
+        path.with_name(
+            f"{path.stem}_{f'{effect}_' * more}{quality}{path.suffix}".replace("@", "_")
+        ): (effect, quality)
+        for effect, quality in each
+    }
+
+
+def assessment_json(
+    found: bc.Assessment, args: argparse.Namespace, rule: dict[str, Any]
+) -> dict[str, Any]:
+    """Give what was found of each effect and quality, with units in the keys."""
+    return {
+        "bridgectl": __version__,
+        "bridge": found.bridge,
+        "crossings": len(found),
+        "trucks_a_day": found.trucks_a_day,
+        "return_period_years": args.return_period,
+        **rule,
+        "effects": [
+            _effect_json(found, effect, quality, args.return_period, rule)
+            for effect in found.effects for quality in found.qualities
+        ],
+    }  # fmt: skip
+
+
+def _effect_json(
+    found: bc.Assessment, effect: str, quality: str, return_period: float, rule: dict[str, Any]
+) -> dict[str, Any]:
+    """Give quantiles, characteristic effects and ADR; what there is none of is null, and why."""
+    own: dict[str, Any] = {"effect": effect, "quality": quality}
+    told = own | {"unit": found.effects[effect], "quantiles": SHARES}
+    for quantity in QUANTITIES:
+        told[quantity] = [_estimate_json(each) for each in found.quantiles(quantity, SHARES, **own)]
+    try:
+        characteristic = found.characteristic(return_period, **own, **rule)
+        told["characteristic_total"] = _estimate_json(characteristic.total)
+        told["characteristic_static"] = _estimate_json(characteristic.static)
+        told["adr"] = _estimate_json(found.adr(return_period, **own, **rule))
+    except ValueError as error:
+        why = ("characteristic_total", "characteristic_static", "adr")
+        told |= dict.fromkeys(why) | {"why_none": str(error)}
+    return told
+
+
+def _estimate_json(estimate: Estimate) -> list[float | None]:
+    """Value, and the ends of its 95 % interval; null where they are not known."""
+    return [None if np.isnan(each) else each for each in estimate]
+
+
+def _check_table(path: Path | None) -> None:
+    if path is not None and path.suffix.lower() not in (".csv", ".parquet"):
+        raise ValueError(f"--table must end in .csv or .parquet, got {str(path)!r}")
+    options.check_output("--table", path)
+
+
+def _fleet(args: argparse.Namespace) -> bc.Fleet:
+    if args.weighed is None:
+        if args.weighed_units is not None or args.leave_out_bad:
+            option = "--weighed-units" if args.weighed_units is not None else "--leave-out-bad"
+            raise ValueError(f"{option} goes with --weighed: type it, or leave {option} out")
+        return bc.Fleet.load(args.fleet or "monte_carlo", seed=args.seed)
+    if args.fleet is not None:
+        raise ValueError("--fleet and --weighed exclude each other: leave one out")
+    bad = "leave out" if args.leave_out_bad else "error"
+    return bc.Fleet.from_table(
+        args.weighed, units=_units(args.weighed_units), bad=bad, seed=args.seed
+    )
+
+
+def _units(text: str | None) -> dict[str, str] | None:
+    """Units by columns, from 'speed=km/h,load=kN'."""
+    if text is None:
+        return None
+    pairs = [part.partition("=") for part in text.split(",")]
+    if not all(mark for _, mark, _ in pairs):
+        raise ValueError(f"--weighed-units must look like speed=km/h,load=kN, got {text!r}")
+    return {name.strip(): unit.strip() for name, _, unit in pairs}
+
+
+def _count(args: argparse.Namespace, fleet: bc.Fleet) -> int | None:
+    if args.trucks is None:
+        return None if fleet.is_finite else 2000
+    return check.integer("--trucks", args.trucks, at_least=1)
+
+
+def _roads(args: argparse.Namespace, length: float) -> dict[str, list[bc.RoadProfile]]:
+    """Roads by quality: those of the files, and random ones of each class."""
+    options.check_ramps("--approach", args.approach)
+    check.integer("--random", args.random, at_least=1)
+    departure = args.approach if args.meeting else 0.0
+    found = {MEASURED: roads.file_roads(args, length, departure)} if args.roads else {}
+    if not args.roads:
+        options.refuse_file_options(args)
+    text = args.classes or ("" if args.roads else CLASSES)
+    classes = [each.strip().upper() for each in text.split(",") if each.strip()]
+    for each in classes:
+        if each not in tuple("ABCDEFGH") or classes.count(each) > 1:
+            raise ValueError(f"--classes must be different ones of A to H, as A,B, got {text!r}")
+    whole = args.approach + length + departure
+    return found | roads.random_roads(classes, args.random, args.approach, whole)
+
+
+def _damper(args: argparse.Namespace) -> Any:
+    """What makes the strategy of --damper for each truck."""
+    if args.damper is None:
+        return None
+    return partial(_of_library, " ".join(args.damper.split()).lower())
+
+
+def _of_library(name: str, bridge: BridgeModel, truck: bc.Vehicle) -> Strategy:
+    """The strategy of a name for a bridge and a truck, in the range of `bridgectl score`."""
+    from bridgectl.dampers import library
+
+    known = {strategy.name.lower(): strategy for strategy in library(bridge, truck, 1e3, 30e3)[1:]}
+    if name not in known:
+        raise ValueError(f"--damper: there is no {name!r}; there are: {', '.join(known)}")
+    return known[name]
