@@ -32,8 +32,8 @@ class Fleet:
     takes a file in which any number of a truck may be drawn, `from_table` weighed trucks.
 
     A distribution is a number, ``{"min": 18, "max": 25}`` (uniform), ``{"mean": 22, "sd": 2,
-    "min": 15, "max": 28}`` (normal, cut off; min and max may be left out), ``{"median": 1, "log_sd":
-    0.1}`` (lognormal, likewise), or a frozen one of `scipy.stats`, which is slower.
+    "min": 15, "max": 28}`` (normal, cut off; min and max may be left out), ``{"median": 1,
+    "log_sd": 0.1}`` (lognormal, likewise), or a frozen one of `scipy.stats`, which is slower.
 
     Parameters
     ----------
@@ -70,8 +70,9 @@ class Fleet:
     ... )
     >>> fleet
     Fleet(30 % T2, 70 % T5air, 15 to 28 m/s, seed=1)
-    >>> truck, speed, kind, time = fleet.passing(12)
-    >>> kind, truck.mass.__round__(), round(speed, 2)
+    >>> truck, speed, kind, time = fleet.passing(2)
+    >>> print(f"{kind}: {truck.mass / 1e3:.1f} t at {speed:.2f} m/s")
+    T5air: 31.0 t at 24.25 m/s
     """
 
     _source: Drawn | Weighed
@@ -218,6 +219,7 @@ class Fleet:
         >>> fleet = bc.Fleet.from_table("example")
         >>> truck, speed, kind, time = fleet.passing(2)
         >>> kind, (truck.static_loads / 1e3).round(1)
+        ('1+1+3', array([52.5, 86.2, 58.9, 60.2, 60.1]))
         """
         _checks.choice("bad", bad, ("error", "leave out"))
         unweighed = read_unweighed(axles)
@@ -229,7 +231,7 @@ class Fleet:
             named = "; ".join(rows.left_out[:SHOWN]) + "; ..." * (len(rows.left_out) > SHOWN)
             total = n + len(rows.left_out)
             warn(f"{len(rows.left_out)} of {total} rows are left out: {named}")
-        return cls._made(Weighed(rows, np.arange(n), per_day, unweighed, _seed(seed)))
+        return cls._made(Weighed(rows, per_day, unweighed, _seed(seed)))
 
     @classmethod
     def _made(cls, source: Drawn | Weighed, indices: Any = None) -> Fleet:

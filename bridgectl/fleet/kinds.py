@@ -111,7 +111,7 @@ def _kind(where: str, table: Mapping[str, Any], speed: Any) -> Kind:
         content = _referring(where, own, parameters)
         for key in FACTORS:
             if key in table and key not in OF_WHEEL:
-                raise ValueError(f"{where} has {key!r}, which needs truck: type truck = \"T5\"")
+                raise ValueError(f'{where} has {key!r}, which needs truck: type truck = "T5"')
         unused = set(parameters) - {factor.parameter for factor in _factors(content)}
         if unused:
             name = min(unused)

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.fleet.distributions import key_of, uniforms
@@ -39,7 +40,7 @@ class Drawn:
     size = None
 
     @cached_property
-    def _key(self) -> FloatArray:
+    def _key(self) -> NDArray[np.uint64]:
         return key_of(self.seed)
 
     @cached_property
@@ -67,7 +68,7 @@ class Drawn:
             for kind, low, high in zip(self.kinds[:6], ends, ends[1:], strict=False)
         ]
         more = len(self.kinds) - len(each)
-        each += [f"{more} kinds more"] * (more > 0)
+        each += [f"{more} more"] * (more > 0)
         low = min(kind.speed.low for kind in self.kinds)
         high = max(kind.speed.high for kind in self.kinds)
         return f"{', '.join(each)}, {low:.4g} to {high:.4g} m/s, seed={self.seed}"
@@ -78,8 +79,6 @@ class Weighed:
     """Trucks of a table, in its order."""
 
     rows: Rows
-    numbers: Any
-    """Of its rows, shape (n,): a part of a table has trucks with the numbers that they had."""
     per_day: float
     unweighed: Unweighed
     seed: int
@@ -90,22 +89,24 @@ class Weighed:
         return int(self.rows.speed.size)
 
     @cached_property
-    def _key(self) -> FloatArray:
+    def _key(self) -> NDArray[np.uint64]:
         return key_of(self.seed)
 
     def passing(self, i: int) -> Passing:
         """Truck i."""
         rows, n = self.rows, int(np.count_nonzero(~np.isnan(self.rows.loads[i])))
         loads, spacings = rows.loads[i, :n], rows.spacings[i, : n - 1]
-        numbers = uniforms(self._key, int(self.numbers[i]), len(self.unweighed.numbers))
-        vehicle = truck(loads, spacings, self.unweighed.drawn(numbers))
-        return Passing(vehicle, float(rows.speed[i]), kind_of(spacings), float(rows.time[i]))
+        drawn = uniforms(self._key, int(rows.numbers[i]), len(self.unweighed.numbers))
+        vehicle = truck(loads, spacings, self.unweighed.drawn(drawn))
+        return Passing(
+            vehicle, float(rows.speed[i]), kind_of(spacings.tolist()), float(rows.time[i])
+        )
 
     def part(self, indices: Any) -> Weighed:
         """Some of the trucks."""
         rows = self.rows
         some = Rows(*(getattr(rows, name)[indices] for name in Rows.ARRAYS))
-        return Weighed(some, self.numbers[indices], self.per_day, self.unweighed, self.seed)
+        return Weighed(some, self.per_day, self.unweighed, self.seed)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Weighed):
@@ -123,7 +124,7 @@ class Weighed:
 
     @property
     def _arrays(self) -> list[FloatArray]:
-        return [self.numbers, *(getattr(self.rows, name) for name in Rows.ARRAYS)]
+        return [getattr(self.rows, name) for name in Rows.ARRAYS]
 
     def __str__(self) -> str:
         counts = np.count_nonzero(~np.isnan(self.rows.loads), axis=1)

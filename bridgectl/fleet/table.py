@@ -8,7 +8,7 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -36,11 +36,14 @@ Mask = NDArray[np.bool_]
 class Rows:
     """What a table holds, in SI units: NaN where a truck has no more axles."""
 
-    ARRAYS: ClassVar = ("time", "speed", "loads", "spacings")
+    ARRAYS: ClassVar = ("numbers", "time", "speed", "loads", "spacings")
 
+    numbers: NDArray[np.int_]
+    """Of the trucks, shape (n,): as they were in the table, from 0 on."""
     time: FloatArray
-    """After the first truck [s], shape (n,); NaN if it is not told."""
+    """After the first truck [s]; NaN if it is not told."""
     speed: FloatArray
+    """[m/s]"""
     loads: FloatArray
     """Shape (n, most axles) [N]."""
     spacings: FloatArray
@@ -68,8 +71,10 @@ def read_rows(
     leave_out: bool,
 ) -> Rows:
     """Read a file, or take a DataFrame."""
-    if hasattr(table, "columns") and hasattr(table, "iloc"):
-        frame, faults, name = table, {}, "the table"
+    faults: dict[int, str] = {}
+    frame: Any = table
+    if hasattr(frame, "columns") and hasattr(frame, "iloc"):
+        name = "the table"
         places = [f"row {label}" for label in frame.index]
         frame = frame.set_axis([str(each) for each in frame.columns], axis=1)
     else:
@@ -84,7 +89,7 @@ def read_rows(
     told = tuple(f"{places[i]}: {fault}" for i, fault in sorted(judge.faults.items()))
     if told and not leave_out:
         raise ValueError(
-            f'{name}, {told[0]}; correct the {len(told)} bad of {len(frame)} rows, or type '
+            f"{name}, {told[0]}; correct the {len(told)} bad of {len(frame)} rows, or type "
             'bad="leave out"'
         )
     if len(told) == len(frame):
@@ -94,7 +99,7 @@ def read_rows(
     time = rows.time[keep]
     if np.isfinite(time).any():
         time = time - time.min()
-    return Rows(time, rows.speed[keep], rows.loads[keep], rows.spacings[keep], told)
+    return Rows(keep, time, rows.speed[keep], rows.loads[keep], rows.spacings[keep], told)
 
 
 def _read(
@@ -114,14 +119,17 @@ def _read(
         if not (lines.is_blank(text) or lines.is_comment(text))
     ]  # fmt: skip
     if not kept:
-        raise ValueError(f"{file}: there is no line of names: expected time,speed_kmh,load_1_kN,...")
+        raise ValueError(
+            f"{file}: there is no line of names: expected time,speed_kmh,load_1_kN,..."
+        )
     start, delimiter = _header(kept, columns)
     names = next(_cells([kept[start][1]], delimiter))
     names = [name or f"column {i}" for i, name in enumerate(names, start=1)]
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise ValueError(f"{file}:{kept[start][0]}: two columns are called {twice!r}: rename one")
-    body, faults = kept[start + 1 :], {}
+    body = kept[start + 1 :]
+    faults: dict[int, str] = {}
     quoted = any('"' in text for _, text in body)
     wide = []
     for i, (_, text) in enumerate(body):
@@ -139,9 +147,7 @@ def _read(
     return frame, [number for number, _ in body], faults
 
 
-def _header(
-    kept: Sequence[tuple[int, str]], columns: Mapping[str, Any] | None
-) -> tuple[int, str]:
+def _header(kept: Sequence[tuple[int, str]], columns: Mapping[str, Any] | None) -> tuple[int, str]:
     """Return which line names the columns, and what separates them.
 
     Stations tell of themselves in lines above, of other lengths.
@@ -191,7 +197,7 @@ def _judged(
         lambda i: f"{told('speed', i, 0)} is no speed of a truck, {low:g} to {high:g} m/s",
     )
     loads, spacings = _judge_axles(loads, spacings, told, judge)
-    return Rows(time, speed, loads, spacings), judge
+    return Rows(np.arange(len(frame)), time, speed, loads, spacings), judge
 
 
 def _judge_axles(
@@ -216,19 +222,25 @@ def _judge_axles(
         beyond.any(axis=1),
         lambda i: f"has {count[i]} axles, and a spacing {beyond[i].argmax() + 1} behind them",
     )
-    for sort, values, (low, high), unit, of in (
-        ("load", loads / 1e3, (LOADS[0] / 1e3, LOADS[1] / 1e3), "kN", there),
-        ("spacing", spacings, SPACINGS, "m", gaps),
-    ):
-        bad = of & ~((values >= low) & (values <= high))
-        judge.refuse(
-            bad.any(axis=1),
-            lambda i, sort=sort, bad=bad, low=low, high=high, unit=unit: (
-                f"{told(sort, i, int(bad[i].argmax()))} is no {sort} of an axle, {low:g} to "
-                f"{high:g} {unit}"
-            ),
-        )
+    for sort, values, limits, unit, of in (
+        ("load", loads, LOADS, "N", there), ("spacing", spacings, SPACINGS, "m", gaps)
+    ):  # fmt: skip
+        outside = of & ~((values >= limits[0]) & (values <= limits[1]))
+        judge.refuse(np.any(outside, axis=1), partial(_limits, told, sort, outside, limits, unit))
     return loads, np.where(gaps, spacings, np.nan)[:, : loads.shape[1] - 1]
+
+
+def _limits(
+    told: Callable[[str, int, int], str],
+    sort: str,
+    outside: Mask,
+    limits: tuple[float, float],
+    unit: str,
+    i: int,
+) -> str:
+    low, high = limits
+    found = told(sort, i, int(outside[i].argmax()))
+    return f"{found} is no {sort} of an axle, {low:g} to {high:g} {unit}"
 
 
 def _pointed(cells: dict[str, Any], decimal: str | None) -> dict[str, Any]:
@@ -236,7 +248,10 @@ def _pointed(cells: dict[str, Any], decimal: str | None) -> dict[str, Any]:
     if decimal not in (None, ".", ","):
         raise ValueError(f'decimal must be "." or ",", got {decimal!r}')
     texts = {name: each for name, each in cells.items() if each.dtype.kind not in "iufb"}
-    texts = {name: each.astype(str).str.strip() for name, each in texts.items()}
+    texts = {
+        name: each.astype(object).where(each.notna(), "").astype(str).str.strip()
+        for name, each in texts.items()
+    }
     if decimal is None:
         points = any(each.str.contains(".", regex=False).any() for each in texts.values())
         found = [each[each.str.contains(",", regex=False)] for each in texts.values()]

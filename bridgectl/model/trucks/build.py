@@ -269,9 +269,7 @@ def _assembled(bodies: Sequence[Body], hinge: Sequence[float]) -> Vehicle:
     ]  # fmt: skip
     dampings = [axle.damping for axle in frame.axles]
     stiffnesses = [axle.suspension_stiffness for axle in frame.axles]
-    offsets = [
-        frame.behind(i, place) for i, places in enumerate(frame.places) for place in places
-    ]
+    offsets = [frame.behind(i, place) for i, places in enumerate(frame.places) for place in places]
     order = np.flatnonzero(np.diff(offsets) <= 0)
     if order.size:
         raise ValueError(

@@ -10,7 +10,6 @@ import numpy as np
 
 from bridgectl import _checks
 
-
 ALONE = (0.0,)
 """Spread of an axle that is in no group."""
 
