@@ -269,6 +269,15 @@ def test_marks_of_encodings_are_no_part_of_the_first_name(file, encoding):
     assert same(fleet, bc.Fleet.from_table(file(PLAIN, "plain.csv")))
 
 
+def test_letters_of_old_windows_are_read_as_such(file):
+    text = "Länge [m];speed_kmh;load_1_kN;load_2_kN;Ort\n5;80;60;70;Köln\n5;8ö;60;70;\n"
+    path = file(text, encoding="latin-1")
+    with pytest.raises(ValueError, match="line 3: 'speed_kmh' = '8ö' is no number"):
+        bc.Fleet.from_table(path, columns={"spacing": "Länge [m]"})
+    with pytest.raises(ValueError, match="there are 'Länge \\[m\\]', 'speed_kmh'"):
+        bc.Fleet.from_table(path)
+
+
 def test_a_table_of_pandas_is_as_its_file(file):
     frame = pd.read_csv(io.StringIO(PLAIN))
     assert bc.Fleet.from_table(frame) == bc.Fleet.from_table(file(PLAIN))

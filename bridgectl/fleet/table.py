@@ -115,7 +115,8 @@ def _read(
     except ProfileFileError as error:
         raise ValueError(str(error).replace("save the profile in one", "split it")) from None
     kept = [
-        (number, text) for number, text in enumerate(texts, start=1)
+        (number, text if text.isascii() else lines.lettered(text))
+        for number, text in enumerate(texts, start=1)
         if not (lines.is_blank(text) or lines.is_comment(text))
     ]  # fmt: skip
     if not kept:
