@@ -407,7 +407,7 @@ BARE = HEADER.replace("_kmh", "").replace("_kN", "").replace("_m", "")
         (HEADER, {"columns": {"velocity": "V"}}, "columns has 'velocity': type some of speed"),
         (HEADER, {"columns": ["V"]}, r"columns must be by what they are"),
         (HEADER.replace("time", "speed_kmh"), {}, "two columns are called 'speed_kmh': rename one"),
-        (HEADER, {"decimal": ";"}, r'decimal must be "." or ",", got \';\''),
+        (HEADER, {"decimal": ";"}, "decimal must be one of '.', ','"),
         (HEADER, {"bad": "ignore"}, "bad must be one of 'error', 'leave out', got 'ignore'"),
         (HEADER, {"seed": -1}, "seed must be 0 or more"),
         (HEADER, {"axles": "no.toml"}, "no.toml: no such file: .* or type none, for what ships"),
@@ -431,6 +431,8 @@ def test_times_in_numbers_need_a_unit_or_a_form(file):
     assert seconds.passing(1).time == 120000
     with pytest.raises(ValueError, match="holds numbers without a unit"):
         bc.Fleet.from_table(pd.read_csv(io.StringIO(text)))
+    same_form = bc.Fleet.from_table(pd.read_csv(io.StringIO(text)), units={"time": "%Y%m%d%H%M%S"})
+    assert same_form == fleet
 
 
 @pytest.mark.parametrize(
