@@ -319,6 +319,7 @@ def test_a_drawn_fleet_has_no_end_and_knows_no_times():
     assert fleet.passing(10**12).speed > 0
     assert math.isnan(fleet.passing(0).time)
     assert math.isnan(fleet.per_day)
+    assert math.isnan(fleet.duration)
     assert fleet.left_out == ()
     with pytest.raises(TypeError, match=r"no end: type fleet.part\(range\(1000\)\)"):
         len(fleet)

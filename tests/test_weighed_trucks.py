@@ -10,13 +10,16 @@ import pandas as pd
 import pytest
 
 import bridgectl as bc
+from bridgectl._toml import parsed
 from bridgectl.fleet import weighed
+from bridgectl.model.trucks.file import truck_path
 
 HEADER = "time,speed_kmh,load_1_kN,load_2_kN,load_3_kN,spacing_1_m,spacing_2_m"
 FIRST = "2026-03-01T00:00:00,90,60,110,,5.0,"
 SECOND = "2026-03-01T12:00:00,72,55,80,75,4.5,1.3"
 PLAIN = "\n".join([HEADER, FIRST, SECOND])
 
+KEYS = ("mass", "suspension_stiffness", "tire_stiffness", "damping")
 DRAWS = (
     [(60, 110), (5,)], [(20, 15), (2.7,)], [(60, 50), (2.0,)], [(60, 90, 80), (4.5, 1.3)],
     [(60, 55, 90, 100), (1.9, 3.5, 1.35)], [(60, 90, 95), (3.6, 7.0)],
@@ -87,6 +90,33 @@ def test_loads_are_found_by_springs_in_the_air_too():
     assert truck.mass == pytest.approx(1e3 * sum(DRAWS[7][0]) / 9.81, rel=1e-9)
 
 
+@pytest.mark.parametrize("name", ["T5air", "T5", "T2"])
+def test_a_truck_of_the_catalog_is_found_again_from_its_axle_loads(name):
+    """With its own axles and tractor: its masses, places and springs, by statics alone."""
+    truck = bc.trucks.load(name)
+    content = parsed(truck_path(name), "truck", "", "")
+    bodies = content["bodies"]
+    places = dict(zip(("steer", "drive"), bodies[0]["axles"], strict=True))
+    places["trailer"] = bodies[-1]["axles"][-1]
+    numbers = {(place, key): axle[key] for place, axle in places.items() for key in KEYS}
+    wheelbase = bodies[0]["axles"][1]["place"] - bodies[0]["axles"][0]["place"]
+    ends = content.get("hinge", [0.0, 0.0])
+    hinge = (ends[0] - bodies[0]["axles"][0]["place"]) / wheelbase
+    length = bodies[-1]["axles"][-1]["place"] - ends[1]
+    radii = [math.sqrt(body["inertia"] / body["mass"]) for body in bodies]
+    for key, value in {
+        "tractor_mass": bodies[0]["mass"], "hinge": hinge, "rigid_gyration": radii[0] / wheelbase,
+        "tractor_gyration": radii[0] / wheelbase, "trailer_gyration": radii[-1] / length,
+    }.items():  # fmt: skip
+        numbers["bodies", key] = value
+    found = weighed.truck(truck.static_loads, np.diff(truck.tire_offsets), numbers)
+    for matrix in ("mass_matrix", "damping_matrix", "stiffness_matrix"):
+        given = getattr(truck, matrix)
+        assert getattr(found, matrix) == pytest.approx(given, abs=1e-9 * np.abs(given).max())
+    assert found.tire_stiffnesses == pytest.approx(truck.tire_stiffnesses, rel=1e-9)
+    assert found.frequencies == pytest.approx(truck.frequencies, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("spacings", "kind", "bodies"),
     [
@@ -143,6 +173,7 @@ def test_time_speed_and_trucks_a_day_are_those_of_the_table(file):
     assert len(fleet) == 2
     assert [fleet.passing(i).time for i in range(2)] == [0, 12 * 3600]
     assert [fleet.passing(i).speed for i in range(2)] == pytest.approx([25, 20])
+    assert fleet.duration == 12 * 3600
     assert fleet.per_day == pytest.approx(2)  # one more after half a day
     assert fleet.left_out == ()
 
@@ -176,6 +207,7 @@ def test_a_part_has_the_trucks_of_the_whole_and_no_others():
     assert len(part) == 1
     assert part.passing(0) == fleet.passing(7)
     assert part.per_day == fleet.per_day
+    assert part.duration == fleet.duration
     assert len(pickle.dumps(part)) < 4000 < len(pickle.dumps(fleet)) < 10_000
     assert pickle.loads(pickle.dumps(fleet)) == fleet == bc.Fleet.from_table("example")
     assert hash(fleet) == hash(bc.Fleet.from_table("example"))
@@ -283,6 +315,10 @@ def test_a_table_of_pandas_is_as_its_file(file):
     assert bc.Fleet.from_table(frame) == bc.Fleet.from_table(file(PLAIN))
     frame["time"] = pd.to_datetime(frame["time"])
     assert bc.Fleet.from_table(frame) == bc.Fleet.from_table(file(PLAIN))
+    assert bc.Fleet.from_table(frame.convert_dtypes()) == bc.Fleet.from_table(file(PLAIN))
+    twice = pd.concat([frame, frame[["speed_kmh"]]], axis=1)
+    with pytest.raises(ValueError, match="the table: two columns are called 'speed_kmh'"):
+        bc.Fleet.from_table(twice)
     frame = frame.astype(object)
     assert bc.Fleet.from_table(frame) == bc.Fleet.from_table(file(PLAIN))
 

@@ -231,7 +231,7 @@ class Fleet:
             named = "; ".join(rows.left_out[:SHOWN]) + "; ..." * (len(rows.left_out) > SHOWN)
             total = n + len(rows.left_out)
             warn(f"{len(rows.left_out)} of {total} rows are left out: {named}")
-        return cls._made(Weighed(rows, per_day, unweighed, _seed(seed)))
+        return cls._made(Weighed(rows, duration, per_day, unweighed, _seed(seed)))
 
     @classmethod
     def _made(cls, source: Drawn | Weighed, indices: Any = None) -> Fleet:
@@ -274,7 +274,7 @@ class Fleet:
         Returns
         -------
         Fleet
-            Its `per_day` is that of all.
+            Its `duration` and `per_day` are those of all.
 
         Raises
         ------
@@ -292,6 +292,11 @@ class Fleet:
         if isinstance(self._source, Weighed):
             return self._made(self._source.part(chosen))
         return self._made(self._source, chosen if self._indices is None else self._indices[chosen])
+
+    @property
+    def duration(self) -> float:
+        """Time from the first to the last truck of a table with times [s], else NaN."""
+        return self._source.duration if isinstance(self._source, Weighed) else np.nan
 
     @property
     def per_day(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -79,6 +79,8 @@ class Weighed:
     """Trucks of a table, in its order."""
 
     rows: Rows
+    duration: float
+    """Of the whole table, from its first to its last truck [s], NaN without times."""
     per_day: float
     unweighed: Unweighed
     seed: int
@@ -106,21 +108,15 @@ class Weighed:
         """Some of the trucks."""
         rows = self.rows
         some = Rows(*(getattr(rows, name)[indices] for name in Rows.ARRAYS))
-        return Weighed(some, self.per_day, self.unweighed, self.seed)
+        return replace(self, rows=some)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Weighed):
             return NotImplemented
-        told = (self.per_day, self.unweighed, self.seed) == (
-            other.per_day, other.unweighed, other.seed
-        )  # fmt: skip
-        return told and all(
+        return (self.unweighed, self.seed) == (other.unweighed, other.seed) and all(
             np.array_equal(a, b, equal_nan=True)
             for a, b in zip(self._arrays, other._arrays, strict=True)
         )
-
-    def __hash__(self) -> int:
-        return hash((self.size, self.seed))
 
     @property
     def _arrays(self) -> list[FloatArray]:

@@ -77,6 +77,7 @@ def read_rows(
         name = "the table"
         kind, places = "row", frame.index
         frame = frame.set_axis([str(each) for each in frame.columns], axis=1)
+        _require_different(name, list(frame.columns))
     else:
         name = _checks.path("table", table, "weighed.csv")
         frame, places, faults = _read(name, columns)
@@ -102,6 +103,12 @@ def read_rows(
     return Rows(keep, time, rows.speed[keep], rows.loads[keep], rows.spacings[keep], told)
 
 
+def _require_different(name: str, columns: Sequence[str]) -> None:
+    twice = next((each for each in columns if columns.count(each) > 1), None)
+    if twice is not None:
+        raise ValueError(f"{name}: two columns are called {twice!r}: rename one")
+
+
 def _read(
     file: str, columns: Mapping[str, Any] | None
 ) -> tuple[DataFrame, list[int], dict[int, str]]:
@@ -119,9 +126,7 @@ def _read(
         raise ValueError(f"{file}: {fault}")
     start, delimiter = _header(texts, columns)
     names = [name or f"column {i}" for i, name in enumerate(_cells(texts[start], delimiter), 1)]
-    if len(set(names)) < len(names):
-        twice = next(name for name in names if names.count(name) > 1)
-        raise ValueError(f"{file}:{numbers[start]}: two columns are called {twice!r}: rename one")
+    _require_different(file, names)
     del numbers[: start + 1], texts[: start + 1]
     faults = _fitted(texts, delimiter, len(names))
     if not texts:
@@ -284,7 +289,7 @@ def _numbers(name: str, cells: Any, mark: str, judge: _Judge) -> FloatArray:
     import pandas as pd
 
     if cells.dtype.kind in "iuf":
-        return np.asarray(cells, dtype=np.float64)
+        return np.asarray(cells.to_numpy(dtype=np.float64, na_value=np.nan))
     texts = _text(cells)
     pointed = texts
     if mark == ",":
