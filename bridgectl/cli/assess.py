@@ -40,7 +40,7 @@ bridge has to bear: the total effect against the static one.
                    assessment dynamic ratio (ADR), which stands for this bridge's dynamic factor
   influence        of the quality of the road, and of semi-active dampers in a share of the trucks
 
-The trucks: --fleet, distributions in a TOML file, of which one ships (monte_carlo); or --weighed, a
+The trucks: --fleet, distributions in a TOML file, of which two ship (air_sprung, monte_carlo); or --weighed, a
 table of a weigh-in-motion station with times, speeds, axle loads and spacings, whose units are in
 the names of its columns (speed_kmh, load_1_kN, spacing_1_m, ...) or in --weighed-units.
 
@@ -63,7 +63,7 @@ def add_assess_options(parser: argparse.ArgumentParser) -> None:
     """Add every option but those of the output."""
     trucks = parser.add_argument_group("trucks")
     add = partial(options.add_option, trucks)
-    add("--fleet", "F", "a name that ships, or FILE.toml (default monte_carlo)")
+    add("--fleet", "F", "a name that ships, or FILE.toml (default air_sprung)")
     add("--weighed", "FILE", "a table of weighed trucks, or 'example'")
     add("--weighed-units", "U,U", "of columns whose names state none, as speed=km/h,load=kN")
     trucks.add_argument(
@@ -205,7 +205,7 @@ def _fleet(args: argparse.Namespace) -> bc.Fleet:
         if args.weighed_units is not None or args.leave_out_bad:
             option = "--weighed-units" if args.weighed_units is not None else "--leave-out-bad"
             raise ValueError(f"{option} goes with --weighed: type it, or leave {option} out")
-        return bc.Fleet.load(args.fleet or "monte_carlo", seed=args.seed)
+        return bc.Fleet.load(args.fleet or "air_sprung", seed=args.seed)
     if args.fleet is not None:
         raise ValueError("--fleet and --weighed exclude each other: leave one out")
     bad = "leave out" if args.leave_out_bad else "error"

@@ -40,10 +40,12 @@ NAMES = {
     ),
     "spacing": re.compile(r"(?:axle[ _]*)?(?:spacing|distance|s)[ _]*(\d+)(?:[ _-]+\d+)?"),
 }
+_STAMP = re.compile(r"date[ _]?time|time[ _]?stamp")
 LOOKS = {
     "time": "time", "speed": "speed_kmh", "load": "load_1_kN and so on",
     "spacing": "spacing_1_m and so on",
 }  # fmt: skip
+_BRACKET = re.compile(r"[\[(]")
 _UNIT = re.compile(r"\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$|[ _]([a-z/]+|km_h|m_s)$", re.IGNORECASE)
 
 
@@ -75,12 +77,10 @@ def sort_of(name: str) -> tuple[str, int] | None:
     """Return what a column is by its name, and the number in it."""
     stem, unit = parted(name.strip())
     for sort, pattern in NAMES.items():
-        for text in (name.strip(), *([stem] if unit_of(sort, unit) else [])):
+        # In brackets it is a unit, and one that is none is told later.
+        has_unit = _BRACKET.search(name) or unit_of(sort, unit)
+        for text in (name.strip(), *([stem.strip()] if has_unit else [])):
             if found := pattern.fullmatch(text.lower()):
-                return sort, int(next(filter(None, found.groups()), 0))
-        # A unit that is none is told later, and not that there is no such column.
-        if "[" in name or "(" in name:
-            if found := pattern.fullmatch(stem.strip().lower()):
                 return sort, int(next(filter(None, found.groups()), 0))
     return None
 
@@ -137,13 +137,14 @@ def _of_sorts(name: str, given: Any, example: str) -> dict[str, Any]:
 def _chosen(names: Sequence[str], columns: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
     by_name: dict[str, list[tuple[int, str]]] = {sort: [] for sort in UNITS}
     for name in names:
-        if (found := sort_of(name)) is not None:
-            by_name[found[0]].append((found[1], name))
+        if (known := sort_of(name)) is not None:
+            by_name[known[0]].append((known[1], name))
     chosen = {}
     for sort, found in by_name.items():
         given = columns.get(sort)
-        # A date stands before the time of day, as it is written.
-        own = [name for _, name in (found if sort == "time" else sorted(found))]
+        own = [name for _, name in sorted(found)]
+        if sort == "time":  # a date is put before the time of day, and one column may have both
+            own = next(([name] for name in own if _STAMP.match(name.lower())), own)
         each = [given] if isinstance(given, str) else own if given is None else list(given)
         for name in each:
             if name not in names:
@@ -168,10 +169,12 @@ def _unit(sort: str, name: str, stated: Mapping[str, str]) -> str:
     if sort not in stated:
         if own is None:
             usual = {"speed": "km/h", "load": "kN", "spacing": "m"}[sort]
-            told = f"has the unit {text!r}" if re.search(r"[\[(]", name) else "states no unit"
+            bracket = _BRACKET.search(name)
+            told = f"has the unit {text!r}" if bracket else "states no unit"
+            better = f"{(stem if bracket else name).strip()} [{usual}]"
             raise ValueError(
                 f'the column {name!r} {told}, of {known}: type units={{"{sort}": "{usual}"}}, or '
-                f"call it {(stem if '[' in name or '(' in name else name).strip() + f' [{usual}]'!r}"
+                f"call it {better!r}"
             )
         return own
     given = stated[sort]

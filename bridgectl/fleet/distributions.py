@@ -20,10 +20,10 @@ from numbers import Real
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
 from bridgectl import _checks
-from bridgectl._checks import FloatArray
 
 KEYS = ("mean", "sd", "median", "log_sd", "min", "max")
 LOOKS = "22.0, {'min': 18, 'max': 25}, {'mean': 22, 'sd': 2, 'min': 15, 'max': 28}"
@@ -158,25 +158,25 @@ def distribution(name: str, given: Any, unit: str = "") -> Distribution:
         return _stated(name, given, unit)
     if all(hasattr(given, each) for each in ("ppf", "support", "dist", "args", "kwds")):
         return Frozen(given)
-    if isinstance(given, Real | np.ndarray) and not isinstance(given, bool):
+    if not isinstance(given, bool) and np.ndim(given) == 0 and isinstance(given, Real):
         return Constant(_checks.number(name, given, unit=unit))
-    shown = f" [{unit}]" if unit else ""
-    raise TypeError(f"{name} must be a number or a distribution{shown}, got {given!r}: type {LOOKS}")
+    raise TypeError(
+        f"{name} must be a number or a distribution{_in(unit)}, got {given!r}: type {LOOKS}"
+    )
 
 
 def positive(name: str, given: Any, unit: str = "") -> Distribution:
     """Return a distribution of numbers above zero alone."""
     made = distribution(name, given, unit)
     if made.low < 0 or made.ppf(2.0**-53) <= 0:
-        shown = f" [{unit}]" if unit else ""
         raise ValueError(
-            f"{name} must be above 0{shown} whatever is drawn, got {made.low:g} at least: type a "
-            "min above 0"
+            f"{name} must be above 0{_in(unit)} whatever is drawn, got {made.low:g} at least: "
+            "type a min above 0"
         )
     return made
 
 
-def uniforms(key: FloatArray, i: int, n: int) -> list[float]:
+def uniforms(key: NDArray[np.uint64], i: int, n: int) -> list[float]:
     """Return n numbers between 0 and 1 that truck i of a seed has, whoever asks, in any order.
 
     Philox is a cipher of a counter: the trucks have each their own part of what it counts. 52 bits
@@ -186,9 +186,9 @@ def uniforms(key: FloatArray, i: int, n: int) -> list[float]:
     return (((raw >> 12) + 0.5) * 2.0**-52).tolist()
 
 
-def key_of(seed: int) -> FloatArray:
+def key_of(seed: int) -> NDArray[np.uint64]:
     """Return the key of a seed."""
-    return np.random.SeedSequence(seed).generate_state(2, np.uint64)
+    return np.random.SeedSequence(seed).generate_state(2, np.uint64).astype(np.uint64)
 
 
 def _stated(name: str, given: Mapping[str, Any], unit: str) -> Distribution:
@@ -226,3 +226,7 @@ def _inhabited(name: str, normal: Normal) -> Normal:
             f"{name}.min and {name}.max are too far from what is usual: nothing is between them"
         )
     return normal
+
+
+def _in(unit: str) -> str:
+    return f" [{unit}]" if unit else ""

@@ -33,8 +33,8 @@ class Fleet:
     takes a file in which any number of a truck may be drawn, `from_table` weighed trucks.
 
     A distribution is a number, ``{"min": 18, "max": 25}`` (uniform), ``{"mean": 22, "sd": 2,
-    "min": 15, "max": 28}`` (normal, cut off; min and max may be left out), ``{"median": 1, "log_sd":
-    0.1}`` (lognormal, likewise), or a frozen one of `scipy.stats`, which is slower.
+    "min": 15, "max": 28}`` (normal, cut off; min and max may be left out), ``{"median": 1,
+    "log_sd": 0.1}`` (lognormal, likewise), or a frozen one of `scipy.stats`, which is slower.
 
     Parameters
     ----------
@@ -71,8 +71,9 @@ class Fleet:
     ... )
     >>> fleet
     Fleet(30 % T2, 70 % T5air, 15 to 28 m/s, seed=1)
-    >>> truck, speed, kind, time = fleet.passing(12)
-    >>> kind, truck.mass.__round__(), round(speed, 2)
+    >>> truck, speed, kind, time = fleet.passing(2)
+    >>> print(f"{kind}: {truck.mass / 1e3:.1f} t at {speed:.2f} m/s")
+    T5air: 31.0 t at 24.25 m/s
     """
 
     _source: Drawn | Weighed
@@ -219,6 +220,7 @@ class Fleet:
         >>> fleet = bc.Fleet.from_table("example")
         >>> truck, speed, kind, time = fleet.passing(2)
         >>> kind, (truck.static_loads / 1e3).round(1)
+        ('1+1+3', array([52.5, 86.2, 58.9, 60.2, 60.1]))
         """
         _checks.choice("bad", bad, ("error", "leave out"))
         unweighed = read_unweighed(axles)
@@ -230,7 +232,7 @@ class Fleet:
             named = "; ".join(rows.left_out[:SHOWN]) + "; ..." * (len(rows.left_out) > SHOWN)
             total = n + len(rows.left_out)
             warn(f"{len(rows.left_out)} of {total} rows are left out: {named}")
-        return cls._made(Weighed(rows, np.arange(n), per_day, unweighed, _seed(seed)))
+        return cls._made(Weighed(rows, duration, per_day, unweighed, _seed(seed)))
 
     @classmethod
     def _made(cls, source: Drawn | Weighed, indices: Any = None) -> Fleet:
@@ -273,7 +275,7 @@ class Fleet:
         Returns
         -------
         Fleet
-            Its `per_day` is that of all.
+            Its `duration` and `per_day` are those of all.
 
         Raises
         ------
@@ -291,6 +293,11 @@ class Fleet:
         if isinstance(self._source, Weighed):
             return self._made(self._source.part(chosen))
         return self._made(self._source, chosen if self._indices is None else self._indices[chosen])
+
+    @property
+    def duration(self) -> float:
+        """Time from the first to the last truck of a table with times [s], else NaN."""
+        return self._source.duration if isinstance(self._source, Weighed) else np.nan
 
     @property
     def per_day(self) -> float:

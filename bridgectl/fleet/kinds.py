@@ -1,8 +1,20 @@
 """Kinds of trucks in a fleet: what all of a kind share, and what is drawn for each truck.
 
-A kind is the content of a truck's file (`bridgectl.model.trucks.file`) in which some numbers are
-those of named parameters, each with its distribution. Two places with the name of one parameter
-have the same number in one truck.
+Keys of a fleet's file (``bridgectl/fleet/data/monte_carlo.toml``)::
+
+    description, source     what it is, and where its numbers come from
+    speed                   of all kinds [m/s], a number or a distribution
+    [[kinds]]               one of each kind of truck:
+      name, share           shares have any sum
+      speed                 takes the place of that of all
+      truck                 a truck of the catalog or a file, as "T5", and if they are given
+      load, suspension, tires, damping      factors, as those of `bridgectl.Fleet`
+      [kinds.parameters]    or else numbers or distributions by names of one's own, and
+      hinge, [[kinds.bodies]], ...          the keys of a truck's file, with such a name, as
+                            mass = "trailer", in place of any number
+
+Distributions are as in ``bridgectl/fleet/distributions.py``. Two places with the name of one
+parameter have the same number in one truck.
 """
 
 from __future__ import annotations
@@ -111,7 +123,7 @@ def _kind(where: str, table: Mapping[str, Any], speed: Any) -> Kind:
         content = _referring(where, own, parameters)
         for key in FACTORS:
             if key in table and key not in OF_WHEEL:
-                raise ValueError(f"{where} has {key!r}, which needs truck: type truck = \"T5\"")
+                raise ValueError(f'{where} has {key!r}, which needs truck: type truck = "T5"')
         unused = set(parameters) - {factor.parameter for factor in _factors(content)}
         if unused:
             name = min(unused)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.fleet.distributions import key_of, uniforms
@@ -48,7 +49,7 @@ class Drawn:
         return f"{self.kinds!r} {self.seed}"
 
     @cached_property
-    def _key(self) -> FloatArray:
+    def _key(self) -> NDArray[np.uint64]:
         return key_of(self.seed)
 
     @cached_property
@@ -76,7 +77,7 @@ class Drawn:
             for kind, low, high in zip(self.kinds[:6], ends, ends[1:], strict=False)
         ]
         more = len(self.kinds) - len(each)
-        each += [f"{more} kinds more"] * (more > 0)
+        each += [f"{more} more"] * (more > 0)
         low = min(kind.speed.low for kind in self.kinds)
         high = max(kind.speed.high for kind in self.kinds)
         return f"{', '.join(each)}, {low:.4g} to {high:.4g} m/s, seed={self.seed}"
@@ -87,8 +88,8 @@ class Weighed:
     """Trucks of a table, in its order."""
 
     rows: Rows
-    numbers: Any
-    """Of its rows, shape (n,): a part of a table has trucks with the numbers that they had."""
+    duration: float
+    """Of the whole table, from its first to its last truck [s], NaN without times."""
     per_day: float
     unweighed: Unweighed
     seed: int
@@ -109,40 +110,36 @@ class Weighed:
         return f"{table} {self.unweighed!r} {self.seed}"
 
     @cached_property
-    def _key(self) -> FloatArray:
+    def _key(self) -> NDArray[np.uint64]:
         return key_of(self.seed)
 
     def passing(self, i: int) -> Passing:
         """Truck i."""
         rows, n = self.rows, int(np.count_nonzero(~np.isnan(self.rows.loads[i])))
         loads, spacings = rows.loads[i, :n], rows.spacings[i, : n - 1]
-        numbers = uniforms(self._key, int(self.numbers[i]), len(self.unweighed.numbers))
-        vehicle = truck(loads, spacings, self.unweighed.drawn(numbers))
-        return Passing(vehicle, float(rows.speed[i]), kind_of(spacings), float(rows.time[i]))
+        drawn = uniforms(self._key, int(rows.numbers[i]), len(self.unweighed.numbers))
+        vehicle = truck(loads, spacings, self.unweighed.drawn(drawn))
+        return Passing(
+            vehicle, float(rows.speed[i]), kind_of(spacings.tolist()), float(rows.time[i])
+        )
 
     def part(self, indices: Any) -> Weighed:
         """Some of the trucks."""
         rows = self.rows
         some = Rows(*(getattr(rows, name)[indices] for name in Rows.ARRAYS))
-        return Weighed(some, self.numbers[indices], self.per_day, self.unweighed, self.seed)
+        return replace(self, rows=some)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Weighed):
             return NotImplemented
-        told = (self.per_day, self.unweighed, self.seed) == (
-            other.per_day, other.unweighed, other.seed
-        )  # fmt: skip
-        return told and all(
+        return (self.unweighed, self.seed) == (other.unweighed, other.seed) and all(
             np.array_equal(a, b, equal_nan=True)
             for a, b in zip(self._arrays, other._arrays, strict=True)
         )
 
-    def __hash__(self) -> int:
-        return hash((self.size, self.seed))
-
     @property
     def _arrays(self) -> list[FloatArray]:
-        return [self.numbers, *(getattr(self.rows, name) for name in Rows.ARRAYS)]
+        return [getattr(self.rows, name) for name in Rows.ARRAYS]
 
     def __str__(self) -> str:
         counts = np.count_nonzero(~np.isnan(self.rows.loads), axis=1)

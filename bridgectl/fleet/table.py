@@ -8,6 +8,7 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -35,11 +36,14 @@ Mask = NDArray[np.bool_]
 class Rows:
     """What a table holds, in SI units: NaN where a truck has no more axles."""
 
-    ARRAYS: ClassVar = ("time", "speed", "loads", "spacings")
+    ARRAYS: ClassVar = ("numbers", "time", "speed", "loads", "spacings")
 
+    numbers: NDArray[np.int_]
+    """Of the trucks, shape (n,): as they were in the table, from 0 on."""
     time: FloatArray
-    """After the first truck [s], shape (n,); NaN if it is not told."""
+    """After the first truck [s]; NaN if it is not told."""
     speed: FloatArray
+    """[m/s]"""
     loads: FloatArray
     """Shape (n, most axles) [N]."""
     spacings: FloatArray
@@ -67,23 +71,26 @@ def read_rows(
     leave_out: bool,
 ) -> Rows:
     """Read a file, or take a DataFrame."""
-    if hasattr(table, "columns") and hasattr(table, "iloc"):
-        frame, faults, name = table, {}, "the table"
-        places = [f"row {label}" for label in frame.index]
+    faults: dict[int, str] = {}
+    frame: Any = table
+    if hasattr(frame, "columns") and hasattr(frame, "iloc"):
+        name = "the table"
+        kind, places = "row", frame.index
         frame = frame.set_axis([str(each) for each in frame.columns], axis=1)
+        _require_different(name, list(frame.columns))
     else:
         name = _checks.path("table", table, "weighed.csv")
-        frame, numbers, faults = _read(name, columns)
-        places = [f"line {number}" for number in numbers]
+        frame, places, faults = _read(name, columns)
+        kind = "line"
     try:
         found = find_columns(list(frame.columns), columns, units)
         rows, judge = _judged(frame, found, decimal, faults)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name}: {error}") from None
-    told = tuple(f"{places[i]}: {fault}" for i, fault in sorted(judge.faults.items()))
+    told = tuple(f"{kind} {places[i]}: {fault}" for i, fault in sorted(judge.faults.items()))
     if told and not leave_out:
         raise ValueError(
-            f'{name}, {told[0]}; correct the {len(told)} bad of {len(frame)} rows, or type '
+            f"{name}, {told[0]}; correct the {len(told)} bad of {len(frame)} rows, or type "
             'bad="leave out"'
         )
     if len(told) == len(frame):
@@ -93,7 +100,13 @@ def read_rows(
     time = rows.time[keep]
     if np.isfinite(time).any():
         time = time - time.min()
-    return Rows(time, rows.speed[keep], rows.loads[keep], rows.spacings[keep], told)
+    return Rows(keep, time, rows.speed[keep], rows.loads[keep], rows.spacings[keep], told)
+
+
+def _require_different(name: str, columns: Sequence[str]) -> None:
+    twice = next((each for each in columns if columns.count(each) > 1), None)
+    if twice is not None:
+        raise ValueError(f"{name}: two columns are called {twice!r}: rename one")
 
 
 def _read(
@@ -105,42 +118,52 @@ def _read(
     try:
         with lines.opened(file) as handle:
             encoding = lines.encoding_of(handle.peek(4)[:4])  # type: ignore[attr-defined]
-            texts = list(lines.text_lines(file, handle, encoding))
+            numbers, texts = _kept(lines.text_lines(file, handle, encoding))
     except ProfileFileError as error:
         raise ValueError(str(error).replace("save the profile in one", "split it")) from None
-    kept = [
-        (number, text) for number, text in enumerate(texts, start=1)
-        if not (lines.is_blank(text) or lines.is_comment(text))
-    ]  # fmt: skip
-    if not kept:
-        raise ValueError(f"{file}: there is no line of names: expected time,speed_kmh,load_1_kN,...")
-    start, delimiter = _header(kept, columns)
-    names = next(_cells([kept[start][1]], delimiter))
-    names = [name or f"column {i}" for i, name in enumerate(names, start=1)]
-    if len(set(names)) < len(names):
-        twice = next(name for name in names if names.count(name) > 1)
-        raise ValueError(f"{file}:{kept[start][0]}: two columns are called {twice!r}: rename one")
-    body, faults = kept[start + 1 :], {}
-    quoted = any('"' in text for _, text in body)
-    wide = []
-    for i, (_, text) in enumerate(body):
-        if quoted or text.count(delimiter) >= len(names):
-            cells = next(_cells([text], delimiter))
-            if any(cells[len(names) :]):
-                faults[i] = f"{len(cells)} cells, and {len(names)} columns have names"
-            cells = (cells + [""] * len(names))[: len(names)]
-            text = delimiter.join('"' + cell.replace('"', '""') + '"' for cell in cells)
-        wide.append(text)
+    if not texts:
+        fault = "there is no line of names: expected time,speed_kmh,load_1_kN and so on"
+        raise ValueError(f"{file}: {fault}")
+    start, delimiter = _header(texts, columns)
+    names = [name or f"column {i}" for i, name in enumerate(_cells(texts[start], delimiter), 1)]
+    _require_different(file, names)
+    del numbers[: start + 1], texts[: start + 1]
+    faults = _fitted(texts, delimiter, len(names))
+    if not texts:
+        return pd.DataFrame(columns=names), numbers, faults
+    whole = io.BytesIO("\n".join(texts).encode())
+    texts.clear()  # of a million trucks all of this fills some memory
     frame = pd.read_csv(
-        io.StringIO("\n".join(wide)), sep=delimiter, names=names, header=None, dtype=str,
-        keep_default_na=False, na_filter=False, skip_blank_lines=False,
-    ) if wide else pd.DataFrame(columns=names)  # fmt: skip
-    return frame, [number for number, _ in body], faults
+        whole, sep=delimiter, names=names, header=None, dtype=str, keep_default_na=False,
+        na_filter=False, skip_blank_lines=False,
+    )  # fmt: skip
+    return frame, numbers, faults
 
 
-def _header(
-    kept: Sequence[tuple[int, str]], columns: Mapping[str, Any] | None
-) -> tuple[int, str]:
+def _kept(texts: Iterator[str]) -> tuple[list[int], list[str]]:
+    """Numbers and texts of the lines that are neither blank nor comments."""
+    numbers, kept = [], []
+    for number, text in enumerate(texts, start=1):
+        if not (lines.is_blank(text) or lines.is_comment(text)):
+            numbers.append(number)
+            kept.append(text if text.isascii() else lines.lettered(text))
+    return numbers, kept
+
+
+def _fitted(texts: list[str], delimiter: str, width: int) -> dict[int, str]:
+    """Cut rows to the columns that have names, in place, and tell of those with more cells."""
+    faults = {}
+    for i, text in enumerate(texts):
+        if text.count(delimiter) >= width or '"' in text:
+            cells = _cells(text, delimiter)
+            if any(cells[width:]):
+                faults[i] = f"{len(cells)} cells, and {width} columns have names"
+            quoted = ('"' + cell.replace('"', '""') + '"' for cell in cells[:width])
+            texts[i] = delimiter.join(quoted)
+    return faults
+
+
+def _header(texts: Sequence[str], columns: Mapping[str, Any] | None) -> tuple[int, str]:
     """Return which line names the columns, and what separates them.
 
     Stations tell of themselves in lines above, of other lengths.
@@ -148,18 +171,18 @@ def _header(
     wanted: set[str] = set()
     for given in (columns or {}).values() if isinstance(columns, Mapping) else ():
         wanted |= {given} if isinstance(given, str) else {*given}
-    for i, (_, text) in enumerate(kept[:PEEK]):
+    for i, text in enumerate(texts[:PEEK]):
         delimiter = lines.delimiter_of(text)
-        names = next(_cells([text], delimiter))
+        names = _cells(text, delimiter)
         sorts = [found[0] for name in names if (found := sort_of(name)) is not None]
         if (wanted and wanted <= {*names}) or {"speed", "load", "spacing"} <= {*sorts}:
             return i, delimiter
-    return 0, lines.delimiter_of(kept[0][1])
+    return 0, lines.delimiter_of(texts[0])
 
 
-def _cells(texts: Sequence[str], delimiter: str) -> Iterator[list[str]]:
-    for cells in csv.reader(texts, delimiter=delimiter, skipinitialspace=True):
-        yield [cell.strip() for cell in cells]
+def _cells(text: str, delimiter: str) -> list[str]:
+    row = next(csv.reader([text], delimiter=delimiter, skipinitialspace=True))
+    return [cell.strip() for cell in row]
 
 
 def _judged(
@@ -167,9 +190,9 @@ def _judged(
 ) -> tuple[Rows, _Judge]:
     judge = _Judge(dict(faults))
     names = [name for sort in ("speed", "load", "spacing") for name in columns.names[sort]]
-    cells = _pointed({name: frame[name] for name in names}, decimal)
-    time = _times(frame, columns, judge)
-    numbers = {name: _numbers(name, cells[name], judge) for name in names}
+    mark = _mark((frame[name] for name in names), decimal)
+    time = _times(frame, columns, decimal, judge)
+    numbers = {name: _numbers(name, frame[name], mark, judge) for name in names}
 
     def of(sort: str) -> FloatArray:
         each = [
@@ -190,7 +213,7 @@ def _judged(
         lambda i: f"{told('speed', i, 0)} is no speed of a truck, {low:g} to {high:g} m/s",
     )
     loads, spacings = _judge_axles(loads, spacings, told, judge)
-    return Rows(time, speed, loads, spacings), judge
+    return Rows(np.arange(len(frame)), time, speed, loads, spacings), judge
 
 
 def _judge_axles(
@@ -215,63 +238,71 @@ def _judge_axles(
         beyond.any(axis=1),
         lambda i: f"has {count[i]} axles, and a spacing {beyond[i].argmax() + 1} behind them",
     )
-    for sort, values, (low, high), unit, of in (
-        ("load", loads / 1e3, (LOADS[0] / 1e3, LOADS[1] / 1e3), "kN", there),
-        ("spacing", spacings, SPACINGS, "m", gaps),
-    ):
-        bad = of & ~((values >= low) & (values <= high))
-        judge.refuse(
-            bad.any(axis=1),
-            lambda i, sort=sort, bad=bad, low=low, high=high, unit=unit: (
-                f"{told(sort, i, int(bad[i].argmax()))} is no {sort} of an axle, {low:g} to "
-                f"{high:g} {unit}"
-            ),
-        )
+    for sort, values, limits, unit, of in (
+        ("load", loads, LOADS, "N", there), ("spacing", spacings, SPACINGS, "m", gaps)
+    ):  # fmt: skip
+        outside = of & ~((values >= limits[0]) & (values <= limits[1]))
+        judge.refuse(np.any(outside, axis=1), partial(_limits, told, sort, outside, limits, unit))
     return loads, np.where(gaps, spacings, np.nan)[:, : loads.shape[1] - 1]
 
 
-def _pointed(cells: dict[str, Any], decimal: str | None) -> dict[str, Any]:
-    """Return cells of text with decimal points."""
-    if decimal not in (None, ".", ","):
-        raise ValueError(f'decimal must be "." or ",", got {decimal!r}')
-    texts = {name: each for name, each in cells.items() if each.dtype.kind not in "iufb"}
-    texts = {name: each.astype(str).str.strip() for name, each in texts.items()}
-    if decimal is None:
-        points = any(each.str.contains(".", regex=False).any() for each in texts.values())
-        found = [each[each.str.contains(",", regex=False)] for each in texts.values()]
-        commas = [text for each in found for text in each.iloc[:1000]]
-        if commas and not points and all(map(_GROUPS.fullmatch, commas)):
-            text = commas[0]
-            raise ValueError(
-                f"{text!r} may be {text.replace(',', '.', 1)} or {text.replace(',', '')}: type "
-                'decimal="," or take out the commas'
-            )
-        decimal = "," if commas and not points else "."
-    if decimal == ",":
-        texts = {
-            name: each.where(~each.str.contains(".", regex=False), "?" + each)
-            .str.replace(",", ".", regex=False)
-            for name, each in texts.items()
-        }  # fmt: skip
-    return {**cells, **texts}
+def _limits(
+    told: Callable[[str, int, int], str],
+    sort: str,
+    outside: Mask,
+    limits: tuple[float, float],
+    unit: str,
+    i: int,
+) -> str:
+    low, high = limits
+    found = told(sort, i, int(outside[i].argmax()))
+    return f"{found} is no {sort} of an axle, {low:g} to {high:g} {unit}"
 
 
-def _numbers(name: str, cells: Any, judge: _Judge) -> FloatArray:
+def _text(cells: Any) -> Any:
+    """A column as text, empty where nothing is."""
+    return cells.astype(object).where(cells.notna(), "").astype(str).str.strip()
+
+
+def _mark(columns: Iterator[Any], decimal: str | None) -> str:
+    """Return the decimal mark of columns: a comma where there are commas and no points."""
+    if decimal is not None:
+        return _checks.choice("decimal", decimal, (".", ","))
+    commas: list[str] = []
+    for cells in columns:  # one after the other: those of a million trucks fill some memory
+        if cells.dtype.kind not in "iufb":
+            texts = _text(cells)
+            if texts.str.contains(".", regex=False).any():
+                return "."
+            commas += texts[texts.str.contains(",", regex=False)].head(1000).tolist()
+    if commas and all(map(_GROUPS.fullmatch, commas)):
+        text = commas[0]
+        raise ValueError(
+            f"{text!r} may be {text.replace(',', '.', 1)} or {text.replace(',', '')}: type "
+            'decimal="," or take out the commas'
+        )
+    return "," if commas else "."
+
+
+def _numbers(name: str, cells: Any, mark: str, judge: _Judge) -> FloatArray:
     """Return a column of numbers, NaN where a cell is empty."""
     import pandas as pd
 
     if cells.dtype.kind in "iuf":
-        return np.asarray(cells, dtype=np.float64)
-    values = np.asarray(pd.to_numeric(cells, errors="coerce"), dtype=np.float64)
-    empty = np.asarray(cells.isin(["", "nan", "NaN", "<NA>", "None"]))
-    judge.refuse(
-        ~np.isfinite(values) & ~empty,
-        lambda i: f"{name!r} = {cells.iloc[i].removeprefix('?')!r} is no number",
-    )
-    return np.where(np.isfinite(values), values, np.nan)
+        return np.asarray(cells.to_numpy(dtype=np.float64, na_value=np.nan))
+    texts = _text(cells)
+    pointed = texts
+    if mark == ",":
+        pointed = texts.where(~texts.str.contains(".", regex=False), "?")
+        pointed = pointed.str.replace(",", ".", regex=False)
+    values = np.asarray(pd.to_numeric(pointed, errors="coerce"), dtype=np.float64)
+    bad = ~np.isfinite(values)
+    empty = np.asarray(texts.isin(["", "nan", "NaN", "<NA>", "None"]))
+    judge.refuse(bad & ~empty, lambda i: f"{name!r} = {texts.iloc[i]!r} is no number")
+    return np.where(bad, np.nan, values)
 
 
-def _times(frame: DataFrame, columns: Columns, judge: _Judge) -> FloatArray:
+def _times(frame: DataFrame, columns: Columns, decimal: str | None, judge: _Judge) -> FloatArray:
     """Return times [s], from any."""
     import pandas as pd
 
@@ -280,19 +311,19 @@ def _times(frame: DataFrame, columns: Columns, judge: _Judge) -> FloatArray:
         return np.full(len(frame), np.nan)
     cells = frame[names[0]]
     if columns.units["time"][0]:
-        numbers = _numbers(names[0], _pointed({"": cells}, None)[""], judge)
+        numbers = _numbers(names[0], cells, _mark(iter([cells]), decimal), judge)
         judge.refuse(np.isnan(numbers), lambda i: f"{names[0]!r} is empty")
         return numbers
-    if cells.dtype.kind in "iuf" or (
-        columns.time_format is None and cells.astype(str).str.fullmatch(r"[\d.,]+").all()
-        and len(cells)
-    ):  # fmt: skip
+    if cells.dtype.kind != "M":
+        cells = _text(cells)
+        for name in names[1:]:
+            cells = cells + " " + _text(frame[name])
+    some = cells.iloc[:0] if cells.dtype.kind == "M" else cells[cells != ""]
+    if columns.time_format is None and len(some) and some.str.fullmatch(r"[\d.,]+").all():
         raise ValueError(
             f'the column {names[0]!r} holds numbers without a unit: type units={{"time": "s"}}, or '
             'a format, as {"time": "%Y%m%d%H%M%S"}'
         )
-    for name in names[1:]:
-        cells = cells.astype(str) + " " + frame[name].astype(str)
     times = pd.to_datetime(
         cells, format=columns.time_format or "ISO8601", errors="coerce", utc=True
     )

@@ -146,7 +146,7 @@ class Vehicle:
         mass = _checks.array("mass_matrix", mass_matrix, (None, None), unit="kg")
         tires = _checks.array("tire_stiffnesses", tire_stiffnesses, (None,), unit="N/m")
         n, n_tires = mass.shape[0], tires.size
-        last = np.eye(n)[max(n - n_tires, 0) :]
+        last = np.eye(n)[max(n - n_tires, 0) :] if tire_map is None else ()
 
         def given(
             name: str, value: ArrayLike | None, default: ArrayLike, shape: tuple[int | None, ...]

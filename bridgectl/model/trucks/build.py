@@ -217,6 +217,10 @@ class _Frame:
         for i, axle in enumerate(self.axles, start=1):
             self.names += [f"yG{i}", *([f"thG{i}"] if axle.inertia else [])]
         self._units = dict(zip(self.names, np.eye(len(self.names)), strict=True))
+        # Of each body a place and its row: the trailer hangs on the tractor's hinge.
+        self._known = [(bodies[0].centre, self.unit(self.names[0]))]
+        if hinge:
+            self._known.append((hinge[1], self.at(0, hinge[0])))
 
     def unit(self, name: str) -> FloatArray:
         """The row of a coordinate."""
@@ -227,10 +231,9 @@ class _Frame:
         return self.unit(self.names[1 + i])
 
     def at(self, i: int, place: float) -> FloatArray:
-        """The row of a place of a body: the trailer hangs on the tractor's hinge."""
-        if i == 0:
-            return self.unit(self.names[0]) + (place - self.bodies[0].centre) * self.pitch(0)
-        return self.at(0, self.hinge[0]) + (place - self.hinge[1]) * self.pitch(1)
+        """The row of a place of a body."""
+        known, row = self._known[i]
+        return row + (place - known) * self.pitch(i)
 
     def behind(self, i: int, place: float) -> float:
         """How far a place of a body is behind the first axle [m]."""
@@ -269,9 +272,7 @@ def _assembled(bodies: Sequence[Body], hinge: Sequence[float]) -> Vehicle:
     ]  # fmt: skip
     dampings = [axle.damping for axle in frame.axles]
     stiffnesses = [axle.suspension_stiffness for axle in frame.axles]
-    offsets = [
-        frame.behind(i, place) for i, places in enumerate(frame.places) for place in places
-    ]
+    offsets = [frame.behind(i, place) for i, places in enumerate(frame.places) for place in places]
     order = np.flatnonzero(np.diff(offsets) <= 0)
     if order.size:
         raise ValueError(

@@ -70,9 +70,14 @@ def quoted(text: str) -> str:
     return f"'{shown}'" if len(shown) <= 40 else f"'{shown[:40]}...'"
 
 
+def lettered(text: str) -> str:
+    """Return text with the letters that bytes mean which are not UTF-8."""
+    return text.translate(_WINDOWS)
+
+
 def printable(text: str) -> str:
     """Return text with the letters that its bytes mean and its control characters escaped."""
-    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text.translate(_WINDOWS))
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in lettered(text))
 
 
 def passing(*arguments: str) -> str:
