@@ -205,6 +205,8 @@ def test_hogging_moments_are_extreme_where_they_are_smallest(traffic_of_trucks, 
                   for each, sign in ((one_road, 1), (hogging, -1)))  # fmt: skip
     assert other.total == (-one.total.value, -one.total.high, -one.total.low)
     assert hogging.adr() == one_road.adr()
+    with pytest.raises(ValueError, match=r"and -1e\+09 is by 0 of 20000: type threshold=-\d+"):
+        hogging.adr(threshold=-1e9)
 
 
 def test_a_return_period_shorter_than_the_data_has_the_value_of_the_crossings(

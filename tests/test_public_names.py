@@ -28,6 +28,7 @@ from bridgectl.dampers import passive_theory
 from bridgectl.dampers.optimum.clairvoyant import Clairvoyant
 from bridgectl.dampers.peak_value import peak_value
 from bridgectl.extremes import equal_roughness_pair, extreme_road
+from bridgectl.fleet import table
 from bridgectl.paper import printed as paper
 from bridgectl.paper.damper_validation import DamperCase, Wrong
 from bridgectl.paper.validation import Case, ValidationResults, WarningLight
@@ -328,13 +329,18 @@ def things(bridge, truck):
         dict.fromkeys(MEASURES, np.ones((2, 2, 2))), np.ones((2, 2)), np.ones((2, 2)),
         bridge, truck, 0.0,
     )  # fmt: skip
+    assessment = bc.Assessment({
+        **dict.fromkeys(["kind", "road", "quality"], np.full(2, "")),
+        **dict.fromkeys(table.USUAL[:2] + table.USUAL[5:], np.ones(2)),
+        **{f"{of} moment": np.ones(2) for of in table.OF_EFFECT},
+    }, {"moment": "N m"})  # fmt: skip
     result = paper.Row("critical speed", "km/h", 105.0, 104.0)
     light = WarningLight(0.02, 100, 10, 8, 7)
     order = Agreement(0.8, 0.7, 0.9), Pairs(41, 44)
     daf = 1 + 0.1 * np.random.default_rng(0).normal(size=(3, 2, 2, 1))
     judged = DamperCase(25.0, "A", ("a", "b", "c"), 2, daf, daf, daf, np.array([1.0, 1.1, 1.2]))
     return [
-        bridge, truck, truck.linear, bc.Crossing(bridge, truck), road, surface, board,
+        bridge, truck, truck.linear, bc.Crossing(bridge, truck), road, surface, board, assessment,
         *[board.rows()[0], board.difference("skyhook"), bc.dae_trust(surface, road)],
         bc.prediction_matrices(bridge, truck, 25.0), bc.Moment(10.0), bc.Deflection(10.0),
         bc.TireForce(), bc.BodyAcceleration(), bc.Motion(25.0), bc.Shear(10.0), bc.Reaction(10.0),

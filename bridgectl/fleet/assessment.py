@@ -100,7 +100,7 @@ class Assessment(Crossings):
     ...     "meeting": np.zeros(n, dtype=bool), "static moment": static,
     ...     "total moment": daf * static, "daf moment": daf}, {"moment": "N m"}, trucks_a_day=1000)
     >>> assessment.quantiles("daf", [0.5])
-    [Estimate(1.101, 95% between 1.099 and 1.103)]
+    [Estimate(1.1, 95% between 1.099 and 1.102)]
     >>> assessment.adr(return_period=75).value.round(2)
     np.float64(1.07)
     """
@@ -185,7 +185,7 @@ class Assessment(Crossings):
         Parameters
         ----------
         return_period : float, optional
-            In years: 1000 of EN 1991-2 unless said otherwise; AASHTO has 75.
+            [years]; EN 1991-2 has 1000, AASHTO 75.
         effect, quality : str, optional
             May be left out where there is one.
         damper_share : float, optional
@@ -217,10 +217,6 @@ class Assessment(Crossings):
         PlausibilityWarning
             If the return period is shorter than what was simulated: the value is then that of
             the crossings themselves.
-
-        Examples
-        --------
-        See `Assessment`.
         """
         read = self._read(
             return_period, effect, quality, damper_share, method, trucks_a_day, days_a_year, block,
@@ -241,7 +237,7 @@ class Assessment(Crossings):
         Parameters
         ----------
         return_period : float, optional
-            In years.
+            [years].
         **options
             As of `characteristic`.
 
@@ -338,7 +334,7 @@ class Assessment(Crossings):
         Parameters
         ----------
         return_period : float, optional
-            In years.
+            [years].
         **options
             Of `characteristic`.
 
@@ -357,7 +353,7 @@ class Assessment(Crossings):
         Parameters
         ----------
         return_period : float, optional
-            In years.
+            [years].
         **options
             As of `characteristic`.
 
@@ -397,7 +393,7 @@ class Assessment(Crossings):
                 "trucks_a_day must be said for a return period: type trucks_a_day=1000"
             )
         limit = None if threshold is None else sign * check.number("threshold", threshold)
-        rule = Rule(method, return_period, a_day, days_a_year, block, limit).checked()
+        rule = Rule(method, return_period, a_day, days_a_year, block, limit, sign).checked()
         rows = self._rows(quality, damper_share)
         values = {quantity: self._values(quantity, name, rows) for quantity in QUANTITIES}
         for quantity in ("total", "static"):

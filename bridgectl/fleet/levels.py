@@ -43,6 +43,7 @@ class Rule(NamedTuple):
     days_a_year: float
     block: int | None = None
     threshold: float | None = None
+    sign: int = 1
 
     @property
     def crossings(self) -> float:
@@ -79,7 +80,9 @@ class Rule(NamedTuple):
         if self.method == METHODS[0]:
             block = self.block or usual_block(len(values), self.crossings_a_day)
             return Reading(values, self.crossings, block_maxima(values, block), block)
-        return Reading(values, self.crossings, peaks_over_threshold(values, self.threshold))
+        return Reading(
+            values, self.crossings, peaks_over_threshold(values, self.threshold, self.sign)
+        )
 
     def warn_if_short(self, n: int) -> None:
         """Warn that a return period is shorter than what was simulated."""

@@ -190,8 +190,11 @@ def usual_block(n: int, crossings_a_day: float) -> int:
     return max(min(round(crossings_a_day), n // N_BLOCKS), 1)
 
 
-def peaks_over_threshold(values: FloatArray, threshold: float | None = None) -> Tail:
-    """Return the tail of the values above a threshold; left out: see `usual_exceedances`."""
+def peaks_over_threshold(values: FloatArray, threshold: float | None = None, sign: int = 1) -> Tail:
+    """Return the tail of the values above a threshold; left out: see `usual_exceedances`.
+
+    The values are a user's own, and so the threshold, times the sign.
+    """
     ranked, n = np.sort(values), len(values)
     if threshold is None:
         threshold = ranked[-min(usual_exceedances(n) + 1, n)]
@@ -202,9 +205,9 @@ def peaks_over_threshold(values: FloatArray, threshold: float | None = None) -> 
     if len(peaks) < LEAST:
         below = ranked[ranked < ranked[-min(LEAST, n)]]
         raise ValueError(
-            f"threshold must be exceeded by at least {LEAST} crossings, and {threshold:g} is by "
+            f"threshold must be exceeded by at least {LEAST} crossings, and {sign * threshold:g} is by "
             f"{len(peaks)} of {n}: "
-            + (f"type threshold={below[-1]:.10g}" if len(below) else _more(n))
+            + (f"type threshold={sign * below[-1]:.10g}" if len(below) else _more(n))
         )
     return _fit(METHODS[1], peaks, n, float(threshold))
 

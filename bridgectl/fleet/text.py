@@ -24,7 +24,7 @@ least of all crossings.
 """
 
 TAIL_NOTE = """\
-Characteristic effects are those that one crossing in {crossings:.3g} exceeds: one in {years:g} years
+Characteristic effects are what one crossing in {crossings:.3g} exceeds: one in {years:g} years
 of {days:g} days with {trucks:g} trucks, by {method}. ADR, the assessment dynamic ratio:
 total over static one. In brackets: {confidence:g} % intervals. p: how often a sample of the fits to
 the total and the static effect lies as far off them as these (Anderson-Darling).
