@@ -196,11 +196,13 @@ class _Inside:
                 powers[p + m + 1] += share * (maps.through[p][own] @ of[..., np.newaxis])[..., 0]
         return powers
 
-    def _modes(self, marched: Marched) -> tuple[FloatArray, list[FloatArray]]:
+    def _modes(
+        self, marched: Marched
+    ) -> tuple[FloatArray, list[tuple[FloatArray, FloatArray]]]:
         """Modal displacements by powers of s without the road's kinks, (powers, candidates, modes).
 
-        And for each kink in a cell what it adds by powers of s from its place, from the third on,
-        (powers, candidates, K, modes).
+        And for each kink of every tire in a cell its place (candidates, K), and what it adds by
+        powers of s from there, from the third on, (powers, candidates, K, modes).
         """
         cells, own, bridge, fleet = self.cells, self.own, self.group.bridge, self.group.fleet
         width = (self.group.width / self.group.speeds)[own, np.newaxis]
@@ -216,17 +218,14 @@ class _Inside:
                 shapes = self.group.shapes(self._tires(own, cells + s))
                 for tire in range(kinks.shape[1]):
                     loads[:, :, stage] += (bends * smooth[stage] * shapes)[:, :, tire].T
-            shapes = self.group.shapes(self._tires(own, cells[:, np.newaxis] + kinks))
-            further = self.group.shapes(self._tires(own, cells[:, np.newaxis] + kinks + STEP))
-            before = self.group.shapes(self._tires(own, cells[:, np.newaxis] + kinks - STEP))
-            blows.append(np.empty((BENT_TERMS, *np.moveaxis(shapes, 0, -1).shape)))
+            shapes, further, before = (
+                self.group.shapes(self._tires(own, cells[:, np.newaxis] + kinks + step))
+                for step in (0.0, STEP, -STEP)
+            )
             slopes = (further - before) / (2 * STEP)
-            for first, force in ((0, shapes), (1, 2 * slopes)):
-                blow = -np.moveaxis(bends * force, 0, -1) * yields[:, np.newaxis]
-                for term in range(first, BENT_TERMS, 2):
-                    order = term + 3
-                    blows[-1][term] = blow / factorial(order)
-                    blow = -blow * phase[:, np.newaxis] ** 2
+            forces = [-np.moveaxis(bends * of, 0, -1) for of in (shapes, 2 * slopes)]
+            blows.append((kinks, self._blows(forces, phase, yields)))
+        blows += self._comings(marched, loads, phase, yields)
         start = marched.modes[cells, :, :, own]
         powers = np.zeros((MODE_TERMS, *phase.shape))
         powers[0], powers[1] = start[:, 0], start[:, 1] * width
@@ -238,6 +237,38 @@ class _Inside:
             powers[p + 2] = given / ((p + 1) * (p + 2))
         return powers, blows
 
+    def _comings(
+        self, marched: Marched, loads: FloatArray, phase: FloatArray, yields: FloatArray
+    ) -> list[tuple[FloatArray, FloatArray]]:
+        """What tires do where shapes have kinks, as where they come on, taken from the loads."""
+        group, cells, own = self.group, self.cells, self.own
+        found = []
+        for place, jump in zip(*group.shapes.slope_jumps(), strict=True):
+            way = (place + group.fleet.offsets[own] - group.start) / group.width - group.ahead
+            kinks = way - cells[:, np.newaxis]
+            here = (kinks >= 0) & (kinks < 1)
+            if not here.any():
+                continue
+            kinks = np.where(here, kinks, 1.0)
+            forces = np.where(here, marched.forces[cells, -1, :, own], 0.0)
+            forces = forces[..., np.newaxis] * (group.width * jump)
+            for stage, smooth in enumerate(moments(kinks)):
+                for tire in range(kinks.shape[1]):
+                    loads[:, :, stage] -= forces[:, tire] * smooth[:, tire, np.newaxis]
+            found.append((kinks, self._blows([forces], phase, yields)))
+        return found
+
+    @staticmethod
+    def _blows(forces: list[FloatArray], phase: FloatArray, yields: FloatArray) -> FloatArray:
+        """What forces s, s^2 / 2, ... (candidates, K, modes) from a kink on do, by powers of s."""
+        found = np.zeros((BENT_TERMS, *forces[0].shape))
+        for first, force in enumerate(forces):
+            blow = force * yields[:, np.newaxis]
+            for term in range(first, BENT_TERMS, 2):
+                found[term] += blow / factorial(term + 3)
+                blow = -blow * phase[:, np.newaxis] ** 2
+        return found
+
     def _tires(self, own: NDArray[np.intp], cells: FloatArray) -> FloatArray:
         """Places of the tires for places in cells, (n, K)."""
         x = self.group.start + (self.group.ahead + cells) * self.group.width
@@ -247,9 +278,9 @@ class _Inside:
         """The effect times its sense at shares of cells, (n, points)."""
         group, read, own = self.group, self.read, self.own[of]
         modes = self._horner(self.modes[:, of], s)
-        for i, blows in enumerate(self.blows):
+        for kinks, blows in self.blows:
             for tire in range(blows.shape[2]):
-                after = np.maximum(s - group.maps.kinks[own, i, tire, np.newaxis], 0.0)
+                after = np.maximum(s - kinks[of, tire, np.newaxis], 0.0)
                 modes += self._horner(blows[:, of, tire], after) * (after**3)[..., np.newaxis]
         offsets = group.fleet.offsets[own][:, np.newaxis]
         x = group.start + (group.ahead + self.cells[of][:, np.newaxis] + s) * group.width
