@@ -47,6 +47,9 @@ class ManyCrossings(NamedTuple):
     within some percent, for it is looked for at places some 5 cm apart."""
     flights: FloatArray
     """Where a tire first leaves the road [m], not a number where none does, (N,)."""
+    felt: FloatArray
+    """Most that a tire force at the bridge changes over its static load by another road at the
+    start [1/m], (N,); not a number of those alone."""
     alone: NDArray[np.bool_]
     """Which crossings the single route took, (N,)."""
 
@@ -199,7 +202,7 @@ def simulate(
     statics = np.array([[crossing.static_peak for crossing in own] for own in many.crossings])
     statics = statics.reshape(n_effects, count)
     result = ManyCrossings(
-        statics, *np.full((3, n_effects, count), np.nan), *np.full((2, count), np.nan),
+        statics, *np.full((3, n_effects, count), np.nan), *np.full((3, count), np.nan),
         np.ones(count, bool),
     )  # fmt: skip
     if method == "propagator" and count:
@@ -210,7 +213,7 @@ def simulate(
         result.factors[:, taken] = found.peaks[:, taken]
         result.factors[:, taken] /= np.where(statics == 0, 1.0, statics)[:, taken]
         result.places[:, taken], result.least[taken] = found.places[:, taken], found.least[taken]
-        result.alone[taken] = False
+        result.felt[taken], result.alone[taken] = found.felt[taken], False
     left, runs = np.flatnonzero(result.alone), many.runs
     for i in track(left, "Simulating crossings one by one", len(left), show=progress):
         own = [of[i] for of in many.crossings]

@@ -89,6 +89,21 @@ def march(group: Group) -> Marched:
     return _bridge(group, state, least)
 
 
+def start_felt(group: Group) -> FloatArray:
+    """Most that a tire force at the bridge changes over its static load by the start [1/m], (N,).
+
+    By another road under each tire there, of up to 1 m.
+    """
+    fleet, maps = group.fleet, group.maps
+    n, size = fleet.rest.shape[1], maps.step.shape[2]
+    step = np.linalg.matrix_power(maps.step[:, -size:], group.ahead)
+    swings = np.abs(maps.rows[0] @ (step[:, :, :n] @ fleet.rest))
+    total = swings[..., 0].copy()
+    for tire in range(1, swings.shape[2]):
+        total += swings[..., tire]
+    return np.asarray((fleet.tires / fleet.loads * total).max(axis=1))
+
+
 def _blocks(count: int) -> range:
     return range(0, count, BLOCK)
 
