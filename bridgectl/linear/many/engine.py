@@ -30,7 +30,7 @@ WIDEST = 1.1 * MAX_WIDTH
 NARROWEST = 0.01
 """Crossings that need narrower cells [m] go alone."""
 
-MOST_PHASE, MOST_MODE_PHASE = 0.7, 2.0
+MOST_PHASE, MOST_MODE_PHASE = 0.7, 1.7
 """Largest advance of phase in a cell [rad] of the vehicle's fastest motion and the highest mode."""
 
 TOGETHER = 1000
