@@ -124,8 +124,8 @@ def judge_crossing(
     force = crossing.linear.frequencies[0] <= MOVING_FORCE
     if asker() == "user" and not force:  # the command line judges speeds in its own unit
         name, fastest = "speed" if np.ndim(speeds) == 0 else "speeds", float(np.max(speeds))
-        _tell(_speed_doubts(name, fastest, f"for {fastest:.4g} km/h type {fastest:.4g} / 3.6"))
-    _tell(_load_doubts(crossing))
+        _tell(speed_doubts(name, fastest, f"for {fastest:.4g} km/h type {fastest:.4g} / 3.6"))
+    _tell(load_doubts(crossing))
     judge_roads(*roads)
 
 
@@ -136,12 +136,12 @@ def judge_speed(name: str, speed: float) -> None:
 
 def judge_load(crossing: Crossing) -> None:
     """Warn of a vehicle that does not go with the bridge."""
-    _tell(_load_doubts(crossing))
+    _tell(load_doubts(crossing))
 
 
 def judge_roads(*roads: RoadProfile | None) -> None:
     """Warn of roads that are too rough to be driven, or have a grade."""
-    _tell(chain.from_iterable(_road_doubts(road) for road in roads if road is not None))
+    _tell(chain.from_iterable(road_doubts(road) for road in roads if road is not None))
 
 
 def judge_damper(damper: Damper) -> None:
@@ -157,7 +157,7 @@ def judge_range(car: Vehicle | QuarterCar, *devices: Fitted | None) -> None:
 
 def judge_kmh(option: str, speeds: FloatArray) -> None:
     """Warn of speeds [km/h] on the command line."""
-    _tell(_speed_doubts(option, from_kmh(float(speeds.max())), "type km/h, as 80"))
+    _tell(speed_doubts(option, from_kmh(float(speeds.max())), "type km/h, as 80"))
 
 
 def judge_smoothness(name: str, iri: float) -> None:
@@ -176,7 +176,7 @@ def _tell(doubts: Iterator[str]) -> None:
         warn(doubt, PlausibilityWarning)
 
 
-def _speed_doubts(name: str, fastest: float, remedy: str) -> Iterator[str]:
+def speed_doubts(name: str, fastest: float, remedy: str) -> Iterator[str]:
     if fastest >= FASTEST:
         yield (
             f"{name} of {fastest:.4g} m/s ({to_kmh(fastest):.4g} km/h) is faster than any road "
@@ -384,7 +384,7 @@ def _truck_doubts(truck: Vehicle) -> Iterator[str]:
         )
 
 
-def _load_doubts(crossing: Crossing) -> Iterator[str]:
+def load_doubts(crossing: Crossing) -> Iterator[str]:
     vehicle, beam = crossing.linear, crossing.beam
     known = [getattr(beam, name, None) for name in ("flexural_rigidity", "mass_per_length")]
     if not all(isinstance(value, float) for value in known):  # of others less is known
@@ -396,7 +396,7 @@ def _load_doubts(crossing: Crossing) -> Iterator[str]:
         )
 
 
-def _road_doubts(road: RoadProfile) -> Iterator[str]:
+def road_doubts(road: RoadProfile) -> Iterator[str]:
     steps = np.diff(road.x)
     slopes = np.diff(road.elevation) / steps
     grade = float(np.average(slopes, weights=steps))

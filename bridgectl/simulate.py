@@ -17,7 +17,10 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.estimates import require_surface
-from bridgectl.linear.response import METHODS, as_response, checked_times, linear_response
+from bridgectl.linear.lift_off import warn_of_flight
+from bridgectl.linear.many.crossings import given, is_sequence
+from bridgectl.linear.many.front import peaks_of_many, responses_of_many
+from bridgectl.linear.response import METHODS, as_response, linear_response, until
 from bridgectl.linear.runs import Run
 from bridgectl.linear.samples import crossings_of, dafs_of_effects, dafs_of_motions
 from bridgectl.linear.start import begin
@@ -39,9 +42,9 @@ if TYPE_CHECKING:  # dampers, which bring CasADi, are imported late
 @on_one_thread
 def crossing_response(
     beam: BridgeModel,
-    vehicle: Vehicle | QuarterCar,
-    speed: float | Motion,
-    profile: RoadProfile | None = None,
+    vehicle: Vehicle | QuarterCar | Sequence[Vehicle | QuarterCar],
+    speed: float | Motion | ArrayLike,
+    profile: RoadProfile | Sequence[RoadProfile | None] | None = None,
     *,
     start: float = 0.0,
     section: float = 0.5,
@@ -62,7 +65,8 @@ def crossing_response(
     Parameters
     ----------
     beam, vehicle
-        See `Crossing`.
+        See `Crossing`. A sequence of vehicles is simulated one by one, with a speed and a road for
+        all or one each.
     speed : float or Motion
         Speed c [m/s], or a motion that is not uniform.
     section, recovery, effect
@@ -88,7 +92,7 @@ def crossing_response(
 
     Returns
     -------
-    control.TimeResponseData
+    control.TimeResponseData, or a list of these
         Outputs and inputs as in `crossing_system`: 'moment' over the static peak, ...
 
     Raises
@@ -115,6 +119,9 @@ def crossing_response(
     >>> print(f"{response.outputs['moment'].max():.4f}")
     1.1302
     """
+    if is_sequence(vehicle):
+        many = given(beam, vehicle, speed, profile, start, effect, section, recovery)
+        return responses_of_many(many, method, damper, effects, static, tail, timepts)
     motion = as_motion(speed)
     crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
     crossing.paths.require(motion)
@@ -122,11 +129,12 @@ def crossing_response(
     devices = fitted_to(damper, vehicle, method, [] if motion.uniform else [motion])
     run = begin(crossing, profile, start, motion.speed, motion)
     judge_crossing(crossing, motion.speed, profile)
-    after = _checks.not_negative("tail", tail, unit="s")
-    run = run._replace(end=run.end_of_tail(motion, after))
-    asked = None if timepts is None else motion.position(checked_times(timepts, run, motion))
+    run, asked = until(run, motion, tail, timepts)
     if devices is None:
-        return as_response(run, motion, *linear_response(run, motion, asked, method))
+        found, place = linear_response(run, motion, asked, method)
+        if place is not None:
+            warn_of_flight(place)
+        return as_response(run, motion, *found)
     from bridgectl.dampers.loop.damped import damped_response
 
     judge_range(vehicle, devices)
@@ -138,9 +146,9 @@ def crossing_response(
 @on_one_thread
 def daf(
     beam: BridgeModel,
-    vehicle: Vehicle | QuarterCar,
+    vehicle: Vehicle | QuarterCar | Sequence[Vehicle | QuarterCar],
     speeds: Speeds,
-    profile: RoadProfile | None = None,
+    profile: RoadProfile | Sequence[RoadProfile | None] | None = None,
     *,
     start: float = 0.0,
     section: float = 0.5,
@@ -193,6 +201,10 @@ def daf(
     >>> bc.daf(beam, car, [50 / 3.6, 110 / 3.6], recovery="li2006").round(4)
     array([1.0551, 1.1302])
     """
+    if is_sequence(vehicle):
+        many = given(beam, vehicle, speeds, profile, start, effect, section, recovery)
+        found = peaks_of_many(many, method, damper, progress=progress, factor=True).factors
+        return found if isinstance(effect, list | tuple) else found[0]
     crossings = crossings_of(effect, beam, vehicle, section, recovery)
     c, motions = crossings[0].paths.given(speeds)
     for crossing in crossings:
@@ -208,9 +220,9 @@ def daf(
 @on_one_thread
 def peak_effect(
     beam: BridgeModel,
-    vehicle: Vehicle | QuarterCar,
+    vehicle: Vehicle | QuarterCar | Sequence[Vehicle | QuarterCar],
     speeds: Speeds,
-    profile: RoadProfile | None = None,
+    profile: RoadProfile | Sequence[RoadProfile | None] | None = None,
     *,
     start: float = 0.0,
     section: float = 0.5,
@@ -253,6 +265,10 @@ def peak_effect(
     >>> bc.peak_effect(beam, car, 30.0, effect=bc.Deflection(sense="smallest")).round(5)
     array([-5.e-05])
     """
+    if is_sequence(vehicle):
+        many = given(beam, vehicle, speeds, profile, start, effect, section, recovery)
+        found = peaks_of_many(many, method, damper, progress=progress, factor=False).peaks
+        return found if isinstance(effect, list | tuple) else found[0]
     crossings = crossings_of(effect, beam, vehicle, section, recovery)
     c, motions = crossings[0].paths.given(speeds)
     devices = fitted_to(damper, vehicle, method, motions)

@@ -20,7 +20,7 @@ from bridgectl.linear import reference, runs
 from bridgectl.linear.cells import SAMPLES, bridge_entry, sample_positions
 from bridgectl.linear.estimates import require_crossing
 from bridgectl.linear.fine import Refinement, pieces_of
-from bridgectl.linear.lift_off import fly, warn_of_flight, warn_of_flights
+from bridgectl.linear.lift_off import fly, warn_of_flights
 from bridgectl.linear.peaks import find_peaks
 from bridgectl.linear.within import all_samples
 from bridgectl.model.motion import Motion
@@ -33,10 +33,11 @@ REFINE = 4
 
 def linear_response(
     run: runs.Run, motion: Motion, asked: FloatArray | None, method: str
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[tuple[FloatArray, FloatArray, FloatArray], float | None]:
     """Return places, states and tire forces [N] of one crossing, at places [m] or where cells end.
 
-    Of shapes (m,), (n, m) and (n_tires, m). The propagator takes motions of constant speed alone.
+    Of shapes (m,), (n, m) and (n_tires, m), and where a tire leaves the road, if it does [m]. The
+    propagator takes motions of constant speed alone.
     """
     crossing, slowest = run.crossing, run.slowest(motion.speed)
     speed, tail = np.array([slowest]), (run.end - crossing.exit) / slowest
@@ -46,8 +47,8 @@ def linear_response(
         stretches = runs.propagate(run, speed, nodes)
         if not runs.lifts_off(crossing, stretches)[0]:
             if asked is None:
-                return all_samples(run, speed, stretches, REFINE)
-            return nodes[keep], *runs.at_nodes(crossing, stretches, keep)
+                return all_samples(run, speed, stretches, REFINE), None
+            return (nodes[keep], *runs.at_nodes(crossing, stretches, keep)), None
     nodes, keep = _nodes(run, slowest, asked)
     if method == "propagator" and run.plain:
         flight = fly(run, motion.speed, nodes)
@@ -57,9 +58,7 @@ def linear_response(
     else:
         states, forces = reference.simulate_reference(run, motion, nodes)
     place = runs.first_flight(nodes, forces)
-    if place is not None:
-        warn_of_flight(place)
-    return nodes[keep], states[:, keep], forces[:, keep]
+    return (nodes[keep], states[:, keep], forces[:, keep]), place
 
 
 def _nodes(
@@ -71,6 +70,14 @@ def _nodes(
         return nodes, np.arange(len(nodes))
     nodes = merge_places(np.concatenate([asked, nodes]))
     return nodes, np.searchsorted(nodes, asked - SAME_PLACE)
+
+
+def until(
+    run: runs.Run, motion: Motion, tail: float, timepts: ArrayLike | None
+) -> tuple[runs.Run, FloatArray | None]:
+    """The crossing with a tail [s], and the places [m] that a response is asked for at, if any."""
+    run = run._replace(end=run.end_of_tail(motion, _checks.not_negative("tail", tail, unit="s")))
+    return run, None if timepts is None else motion.position(checked_times(timepts, run, motion))
 
 
 def checked_times(timepts: ArrayLike, run: runs.Run, motion: Motion) -> FloatArray:

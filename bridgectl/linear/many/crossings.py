@@ -8,7 +8,8 @@ does is a matter of that crossing alone.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,10 +21,10 @@ from bridgectl._progress import track
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.many.engine import Engine
 from bridgectl.linear.runs import Run, covered, require_beyond
-from bridgectl.linear.samples import peaks_of_effects
+from bridgectl.linear.samples import crossings_of, peaks_of_effects
 from bridgectl.linear.start import require_contact
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.crossing import Crossing, make_crossing
+from bridgectl.model.crossing import Crossing
 from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar
@@ -47,6 +48,9 @@ class ManyCrossings(NamedTuple):
     within some percent, for it is looked for at places some 5 cm apart."""
     flights: FloatArray
     """Where a tire first leaves the road [m], not a number where none does, (N,)."""
+    felt: FloatArray
+    """Most that a tire force at the bridge changes over its static load by another road at the
+    start [1/m], (N,); not a number of those alone."""
     alone: NDArray[np.bool_]
     """Which crossings the single route took, (N,)."""
 
@@ -82,6 +86,10 @@ class Given(NamedTuple):
         each = zip(self.crossings[0], self.roads, strict=True)
         return [Run(crossing, self.start, crossing.exit, road) for crossing, road in each]
 
+    def of_vehicle(self, i: int) -> AbstractContextManager[None]:
+        """Tells which vehicle an error in it is of."""
+        return _named(f"vehicle[{i}]")
+
 
 def given(
     beam: BridgeModel,
@@ -89,21 +97,20 @@ def given(
     speeds: ArrayLike | Sequence[Any],
     profiles: RoadProfile | Sequence[RoadProfile | None] | None,
     start: float,
-    effects: Sequence[Effect | str],
+    effect: Effect | str | Sequence[Effect | str],
     section: float = 0.5,
     recovery: str = "exact",
 ) -> Given:
     """Check many crossings: speeds and roads are one for all, or one each."""
-    if not effects:
-        raise ValueError("effect must be one effect or more, got none: type effect='moment'")
     count = len(vehicles)
     c = _paired_speeds(speeds, count)
     roads = _paired_roads(profiles, count)
-    crossings: list[list[Crossing]] = [[] for _ in effects]
+    each = []
     for i, vehicle in enumerate(vehicles):
-        with _of_vehicle(i, vehicle):
-            for own, effect in zip(crossings, effects, strict=True):
-                own.append(make_crossing(beam, vehicle, effect, section, recovery))
+        with _named(f"vehicle[{i}]"):
+            each.append(crossings_of(effect, beam, vehicle, section, recovery))
+    count = len(effect) if isinstance(effect, list | tuple) else 1
+    crossings = [[own[i] for own in each] for i in range(count)]
     every = Given(beam, crossings, c, roads, _checks.number("start", start, unit="m"))
     checked = set()
     for i, crossing in enumerate(crossings[0]):
@@ -111,7 +118,7 @@ def given(
         plain = not paths.opposite.any() and not paths.motions
         if plain and id(road) in checked:
             continue
-        with _of_road(i, profiles):
+        with _named(f"profile[{i}]") if is_sequence(profiles) else nullcontext():
             require_beyond(covered(crossing, road, start))
         if plain:
             checked.add(id(road))
@@ -119,26 +126,13 @@ def given(
     return every
 
 
-class _Named:
+@contextmanager
+def _named(which: str) -> Iterator[None]:
     """Tells which of a sequence an error is of."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: Any, error: BaseException | None, _: Any) -> None:
-        if isinstance(error, TypeError | ValueError):
-            raise type(error)(f"{self.name}: {error}") from None
-
-
-def _of_vehicle(i: int, vehicle: Any) -> _Named:
-    return _Named(f"vehicle[{i}]")
-
-
-def _of_road(i: int, profiles: Any) -> _Named:
-    return _Named(f"profile[{i}]" if is_sequence(profiles) else "profile")
+    try:
+        yield
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{which}: {error}") from None
 
 
 def _paired_speeds(speeds: Any, count: int) -> FloatArray:
@@ -152,7 +146,7 @@ def _paired_speeds(speeds: Any, count: int) -> FloatArray:
         )
     if any(isinstance(one, Motion) for one in each):
         speeds = [one.speed if isinstance(one, Motion) else one for one in each]
-    c = _checks.speeds(speeds)
+    c = _checks.speeds(speeds) if count or np.size(speeds) else np.zeros(0)
     if c.size not in (1, count):
         raise ValueError(
             f"speeds must be one for all {count} vehicles, or one each, got {c.size}: for every "
@@ -181,7 +175,7 @@ def many_crossings(
     profiles: RoadProfile | Sequence[RoadProfile | None] | None = None,
     *,
     start: float = 0.0,
-    effects: Sequence[Effect | str] = ("moment",),
+    effects: Effect | str | Sequence[Effect | str] = "moment",
     progress: bool = False,
 ) -> ManyCrossings:
     """Simulate crossings of vehicles at speeds on roads, one each or one for all, without a word.
@@ -199,7 +193,7 @@ def simulate(
     statics = np.array([[crossing.static_peak for crossing in own] for own in many.crossings])
     statics = statics.reshape(n_effects, count)
     result = ManyCrossings(
-        statics, *np.full((3, n_effects, count), np.nan), *np.full((2, count), np.nan),
+        statics, *np.full((3, n_effects, count), np.nan), *np.full((3, count), np.nan),
         np.ones(count, bool),
     )  # fmt: skip
     if method == "propagator" and count:
@@ -210,11 +204,11 @@ def simulate(
         result.factors[:, taken] = found.peaks[:, taken]
         result.factors[:, taken] /= np.where(statics == 0, 1.0, statics)[:, taken]
         result.places[:, taken], result.least[taken] = found.places[:, taken], found.least[taken]
-        result.alone[taken] = False
+        result.felt[taken], result.alone[taken] = found.felt[taken], False
     left, runs = np.flatnonzero(result.alone), many.runs
     for i in track(left, "Simulating crossings one by one", len(left), show=progress):
         own = [of[i] for of in many.crossings]
-        with _of_vehicle(i, own):
+        with many.of_vehicle(i):
             require_contact(runs[i])
             one = peaks_of_effects(runs[i], own, many.speeds[[i]], method, progress=False)
         result.factors[:, i], result.places[:, i] = one.factors[:, 0], one.places[:, 0]

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.linear.many.maps import Fleet, fleet_of, maps_of
-from bridgectl.linear.many.march import Group, march
-from bridgectl.linear.many.places import table
+from bridgectl.linear.many.march import Group, march, start_felt
+from bridgectl.linear.many.places import Table, table
 from bridgectl.linear.many.roads import EvenRoad, Layout, Rows, even_road, layout
 from bridgectl.linear.many.tops import Read, find_tops
 from bridgectl.linear.nodes import MAX_WIDTH
@@ -30,7 +30,7 @@ WIDEST = 1.1 * MAX_WIDTH
 NARROWEST = 0.01
 """Crossings that need narrower cells [m] go alone."""
 
-MOST_PHASE, MOST_MODE_PHASE = 0.7, 2.0
+MOST_PHASE, MOST_MODE_PHASE = 0.7, 1.7
 """Largest advance of phase in a cell [rad] of the vehicle's fastest motion and the highest mode."""
 
 TOGETHER = 1000
@@ -59,6 +59,9 @@ class Found(NamedTuple):
     """Of the reference tire then [m], (n_effects, N)."""
     least: FloatArray
     """Least tire force over its static load, (N,)."""
+    felt: FloatArray
+    """Most that a tire force at the bridge changes over its static load by another road at the
+    start [1/m], (N,)."""
     taken: NDArray[np.bool_]
     """Which crossings arrays take, (N,)."""
 
@@ -81,7 +84,7 @@ class Engine:
         """Peaks of all crossings that arrays take."""
         count = len(vehicles)
         found = Found(
-            *np.full((2, len(self.reads), count), np.nan), np.full(count, np.nan),
+            *np.full((2, len(self.reads), count), np.nan), *np.full((2, count), np.nan),
             np.zeros(count, bool),
         )  # fmt: skip
         if not self.fits:
@@ -127,7 +130,7 @@ class Engine:
         maps = maps_of(fleet, lie.width / speeds, rows.places)
         group = Group(self.bridge, self.shapes, fleet, maps, rows, self.start, lie.width, speeds)
         marched = march(group)
-        found.least[which] = marched.least
+        found.least[which], found.felt[which] = marched.least, start_felt(group)
         found.taken[which] = (marched.least >= LOW) & (marched.apart <= APART)
         for i, read in enumerate(self.reads):
             found.peaks[i, which], found.places[i, which] = find_tops(group, marched, read)

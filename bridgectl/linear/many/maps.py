@@ -19,6 +19,7 @@ import numpy as np
 
 from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import GAUSS, N_STAGES
+from bridgectl.linear.many.bends import moments
 from bridgectl.model.vehicle import Vehicle
 
 TERMS = 16
@@ -104,24 +105,6 @@ class Maps(NamedTuple):
     """Their forces from road rows, without `watch`, (N, K, ...)."""
 
 
-def moments(kinks: FloatArray) -> FloatArray:
-    """Of (s - kink)+ the parabola of the same moments over the cell less itself, at the stages.
-
-    Shape (N_STAGES, ...).
-    """
-    left = 1 - kinks
-    zeroth = left**2 / 2
-    first = left**2 * kinks / 2 + left**3 / 3
-    second = left**4 / 4 + 2 * kinks * left**3 / 3 + kinks**2 * left**2 / 2
-    legendre = zeroth, 2 * first - zeroth, 6 * second - 6 * first + zeroth
-    found = np.empty((N_STAGES, *kinks.shape))
-    for stage, s in enumerate(GAUSS):
-        values = 1.0, 3 * (2 * s - 1), 5 * (6 * s**2 - 6 * s + 1)
-        found[stage] = sum(a * b for a, b in zip(values, legendre, strict=True))
-        found[stage] -= np.maximum(s - kinks, 0.0)
-    return found
-
-
 def maps_of(fleet: Fleet, durations: FloatArray, kinks: FloatArray) -> Maps:
     """Maps of cells of a duration each [s], (N,), with kinks of the road in each, (N, P, K)."""
     count, n_tires, n = fleet.hubs.shape
@@ -165,7 +148,10 @@ def maps_of(fleet: Fleet, durations: FloatArray, kinks: FloatArray) -> Maps:
         ends[:, :, 2:] += held[p][:, :, np.newaxis] * (
             left[:, np.newaxis] ** (p + 2) / factorial(p + 2)
         )
-    smoothed = -moments(kinks).swapaxes(0, 1) * fleet.tires[:, np.newaxis, np.newaxis]
+    smoothed = np.moveaxis(moments(kinks), 0, 1).copy()
+    for stage, s in enumerate(GAUSS):
+        smoothed[:, stage] -= np.maximum(s - kinks, 0.0)
+    smoothed *= -fleet.tires[:, np.newaxis, np.newaxis]
     for stage, s in enumerate(GAUSS):
         road[:, stage, :, 0] -= eye
         road[:, stage, :, 1] -= eye * s

@@ -15,7 +15,8 @@ import numpy as np
 
 from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import GAUSS, N_STAGES
-from bridgectl.linear.many.maps import Fleet, Maps, moments
+from bridgectl.linear.many.bends import POINTS, beyond, moments
+from bridgectl.linear.many.maps import Fleet, Maps
 from bridgectl.linear.many.places import Table
 from bridgectl.linear.many.roads import Rows
 from bridgectl.linear.modes import mode_responses
@@ -23,8 +24,6 @@ from bridgectl.model.bridge import BridgeModel
 
 BLOCK = 64
 """Cells whose road rows are made together: products of matrices have a fixed shape by it."""
-
-_POINTS = np.append(GAUSS, 1.0)
 
 
 class Group(NamedTuple):
@@ -90,6 +89,21 @@ def march(group: Group) -> Marched:
     return _bridge(group, state, least)
 
 
+def start_felt(group: Group) -> FloatArray:
+    """Most that a tire force at the bridge changes over its static load by the start [1/m], (N,).
+
+    By another road under each tire there, of up to 1 m.
+    """
+    fleet, maps = group.fleet, group.maps
+    n, size = fleet.rest.shape[1], maps.step.shape[2]
+    step = np.linalg.matrix_power(maps.step[:, -size:], group.ahead)
+    swings = np.abs(maps.rows[0] @ (step[:, :, :n] @ fleet.rest))
+    total = swings[..., 0].copy()
+    for tire in range(1, swings.shape[2]):
+        total += swings[..., tire]
+    return np.asarray((fleet.tires / fleet.loads * total).max(axis=1))
+
+
 def _blocks(count: int) -> range:
     return range(0, count, BLOCK)
 
@@ -127,7 +141,7 @@ def _bridge(group: Group, state: FloatArray, least: FloatArray) -> Marched:
     durations = (group.width / group.speeds)[:, np.newaxis]
     free, held = (
         np.ascontiguousarray(np.moveaxis(of[:, 0], (0, 1, 2, 3, 4), (4, 2, 3, 1, 0)))
-        for of in mode_responses(bridge, durations, GAUSS, _POINTS)
+        for of in mode_responses(bridge, durations, GAUSS, POINTS)
     )
     # Made of (state or stage, value or rate, modes, point, N).
     cells = int(np.ceil((group.last.max() - group.start) / group.width - 1e-9)) - group.ahead
@@ -140,6 +154,7 @@ def _bridge(group: Group, state: FloatArray, least: FloatArray) -> Marched:
     states[0] = state
     apart, moved = np.zeros((count, q)), np.zeros((n_modes, N_STAGES, count))
     static = np.tile(fleet.loads, N_STAGES)
+    bends = _Bends(group, held)
     to_forces, at_end = np.ascontiguousarray(maps.surface[:, :q]), slice(q, None)
     free_q, held_q = free[:, 0, :, :N_STAGES], held[:, 0, :, :N_STAGES]
     free_end, held_end = free[:, :, :, N_STAGES], held[:, :, :, N_STAGES]
@@ -149,13 +164,15 @@ def _bridge(group: Group, state: FloatArray, least: FloatArray) -> Marched:
         pushes = maps.drive @ rows.reshape(count, -1, BLOCK)
         pushes[:, :q] += static[..., np.newaxis]
         pushes = np.ascontiguousarray(np.moveaxis(pushes, -1, 0))
-        shapes = _shapes(group, first)
+        shapes, inside, at_ends = _shapes(group, first, held)
+        bends.add(shapes, road[first : first + BLOCK, 2:], inside, at_ends)
         for i in range(BLOCK):
             c, shape, own = first + i, shapes[i], modes[first + i]
             given = np.matmul(maps.step, states[c][..., np.newaxis])[..., 0]
             given += pushes[i]
             alone = free_q[0] * own[0][:, np.newaxis]
             alone += free_q[1] * own[1][:, np.newaxis]
+            alone += inside[i]
             under = _by_vehicle(_deflections(shape, alone + moved))
             guess = given[:, :q] + np.matmul(to_forces, under)[..., 0]
             load = _modal(shape, guess)
@@ -171,6 +188,7 @@ def _bridge(group: Group, state: FloatArray, least: FloatArray) -> Marched:
             forces[c] = np.ascontiguousarray(given[:, :q].T).reshape(forces[c].shape)
             load = loads[c] = _modal(shape, given[:, :q])
             after = modes[c + 1]
+            after += at_ends[i]
             after += free_end[0] * own[0]
             after += free_end[1] * own[1]
             for stage in range(N_STAGES):
@@ -188,24 +206,69 @@ def _bridge(group: Group, state: FloatArray, least: FloatArray) -> Marched:
     )  # fmt: skip
 
 
-def _shapes(group: Group, first: int) -> FloatArray:
+class _Bends:
+    """What the road's kinks do to the modes beyond their parabolas."""
+
+    def __init__(self, group: Group, held: FloatArray) -> None:
+        kinks = np.moveaxis(group.maps.kinks, 0, -1)  # kinks, tires, N
+        count = kinks[..., 0].size
+        durations = np.tile(group.width / group.speeds, count)
+        found = beyond(group.bridge, durations, np.tile(held, count), kinks.ravel())
+        found *= -np.tile(group.fleet.tires.T, (kinks.shape[0], 1)).ravel()
+        found = found.reshape(*found.shape[:-1], *kinks.shape)
+        self.inside = np.ascontiguousarray(np.moveaxis(found[0, :, :N_STAGES], (2, 3), (0, 1)))
+        self.at_ends = np.ascontiguousarray(np.moveaxis(found[:, :, N_STAGES], (2, 3), (0, 1)))
+        powers = np.linalg.inv(np.vander(GAUSS, increasing=True))
+        self.shares = [
+            powers[0, stage] + kinks * (powers[1, stage] + kinks * powers[2, stage])
+            for stage in range(N_STAGES)
+        ]
+        """Parts of shapes at the stages in that at the kink."""
+
+    def add(
+        self, shapes: FloatArray, kinks: FloatArray, inside: FloatArray, at_ends: FloatArray
+    ) -> None:
+        """Add them to those of a block of cells, from its road rows of kinks."""
+        for i in range(kinks.shape[1]):
+            bent = self.shares[0][i] * shapes[:, :, 0]
+            for stage in range(1, N_STAGES):
+                bent += self.shares[stage][i] * shapes[:, :, stage]
+            bent *= kinks[:, np.newaxis, i]
+            for tire in range(bent.shape[2]):
+                own = bent[:, :, tire]
+                inside += self.inside[i, tire] * own[:, :, np.newaxis]
+                at_ends += self.at_ends[i, tire] * own[:, np.newaxis]
+
+
+def _shapes(
+    group: Group, first: int, held: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mode shapes under the tires at the stages of a block of cells, (BLOCK, modes, 3, K, N).
 
-    Where a shape has a kink they are those of the parabola of the same moments.
+    Where a shape has a kink they are those of the parabola of the same moments. What the static
+    loads do to the modes beyond that: displacements at the stages (BLOCK, modes, 3, N), and states
+    at the end (BLOCK, 2, modes, N).
     """
     cells = np.arange(first, first + BLOCK)[:, np.newaxis, np.newaxis, np.newaxis]
     x = group.places(cells + GAUSS[:, np.newaxis, np.newaxis])
     shapes = group.shapes(x)
+    count, n_modes = len(group.speeds), len(shapes)
+    inside = np.zeros((BLOCK, n_modes, N_STAGES, count))
+    at_ends = np.zeros((BLOCK, 2, n_modes, count))
     for place, jump in zip(*group.shapes.slope_jumps(), strict=True):
         way = (place + group.fleet.offsets - group.start) / group.width - group.ahead
         cell = np.floor(way)
         at, tire = np.nonzero((cell >= first) & (cell < first + BLOCK))
-        inside = way[at, tire] - cell[at, tire]
-        bent = group.width * moments(inside).T
+        kinks = way[at, tire] - cell[at, tire]
+        bent = group.width * (moments(kinks) - np.maximum(GAUSS[:, np.newaxis] - kinks, 0.0)).T
         own = (cell[at, tire] - first).astype(np.intp)
+        more = beyond(group.bridge, group.width / group.speeds[at], held[..., at], kinks)
+        more *= group.width * group.fleet.loads[at, tire]
         for j, by in enumerate(jump):
             shapes[j, own, :, tire, at] += by * bent
-    return np.ascontiguousarray(np.moveaxis(shapes, 0, 1))
+            np.add.at(inside[:, j], (own, slice(None), at), by * more[0, j, :N_STAGES].T)
+            np.add.at(at_ends[:, :, j], (own, slice(None), at), by * more[:, j, N_STAGES].T)
+    return np.ascontiguousarray(np.moveaxis(shapes, 0, 1)), inside, at_ends
 
 
 def _by_vehicle(deflections: FloatArray) -> FloatArray:

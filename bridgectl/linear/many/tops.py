@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import GAUSS, N_STAGES
-from bridgectl.linear.many.maps import TERMS
 from bridgectl.linear.many.march import Group, Marched
+from bridgectl.linear.many.bends import TERMS as MODE_TERMS
+from bridgectl.linear.many.bends import moments
+from bridgectl.linear.many.maps import TERMS
 from bridgectl.linear.many.places import Table
 from bridgectl.linear.peaks import KNOTS, TO_FINE, tops
 
@@ -26,18 +28,14 @@ AT_ONCE = 4000
 OWN_TERMS = 6
 """Of the response of a tire's hub to a kink under it, within a cell."""
 
-# Displacements at the ends and the stages, and rates at the ends: powers of s from them.
-_VALUES = np.array([0.0, *GAUSS, 1.0])
-_ORDERS = np.arange(len(_VALUES) + 2)
-_FIT = np.linalg.inv(
-    np.vstack(
-        [
-            np.vander(_VALUES, len(_ORDERS), increasing=True),
-            np.eye(len(_ORDERS))[1],
-            _ORDERS,
-        ]
-    )
-)
+BENT_TERMS = 9
+"""Of that of the response to a kink, from the third power on."""
+
+STEP = 0.05
+"""Share of a cell over which slopes of mode shapes are taken."""
+
+_FROM_STAGES = np.linalg.inv(np.vander(GAUSS, increasing=True))
+"""Powers of s, rising, from values at the stages."""
 
 
 class Read(NamedTuple):
@@ -178,7 +176,7 @@ class _Inside:
             / np.array([factorial(p + 2) for p in range(1, OWN_TERMS)])[:, np.newaxis, np.newaxis]
             for i in range(n_kinks)
         ]  # fmt: skip
-        self.modes = self._modes(marched)
+        self.modes, self.blows = self._modes(marched)
 
     def _hubs(self, marched: Marched) -> FloatArray:
         """Hub displacements by powers of s without the road's kinks, (TERMS, candidates, K)."""
@@ -186,10 +184,9 @@ class _Inside:
         state = marched.states[self.cells, own][..., np.newaxis]
         powers = np.stack([(of[own] @ state)[..., 0] for of in maps.rows])
         under = marched.surface[self.cells, :, :, own]
-        lagrange = np.linalg.inv(np.vander(GAUSS, increasing=True))
         surface = []
         for m in range(N_STAGES):
-            terms = [lagrange[m, stage] * under[:, stage] for stage in range(N_STAGES)]
+            terms = [_FROM_STAGES[m, stage] * under[:, stage] for stage in range(N_STAGES)]
             surface.append(terms[0] + terms[1] + terms[2])
         surface[0] = surface[0] + self.road[:, 0]
         surface[1] = surface[1] + self.road[:, 1]
@@ -199,31 +196,92 @@ class _Inside:
                 powers[p + m + 1] += share * (maps.through[p][own] @ of[..., np.newaxis])[..., 0]
         return powers
 
-    def _modes(self, marched: Marched) -> FloatArray:
-        """Modal displacements by powers of s, (powers, candidates, modes)."""
-        cells, own = self.cells, self.own
+    def _modes(
+        self, marched: Marched
+    ) -> tuple[FloatArray, list[tuple[FloatArray, FloatArray]]]:
+        """Modal displacements by powers of s without the road's kinks, (powers, candidates, modes).
+
+        And for each kink of every tire in a cell its place (candidates, K), and what it adds by
+        powers of s from there, from the third on, (powers, candidates, K, modes).
+        """
+        cells, own, bridge, fleet = self.cells, self.own, self.group.bridge, self.group.fleet
         width = (self.group.width / self.group.speeds)[own, np.newaxis]
-        start, end = marched.modes[cells, :, :, own], marched.modes[cells + 1, :, :, own]
-        free = np.moveaxis(marched.free, -1, 0)[own]
-        held = np.moveaxis(marched.held, -1, 0)[own]
+        phase, damping = bridge.omega * width, bridge.damping_ratios
+        yields = width**2 / bridge.modal_masses
         loads = marched.loads[cells, :, :, own]
-        known = [start[:, 0]]
-        for stage in range(N_STAGES):
-            values = free[:, 0, 0, :, stage] * start[:, 0] + free[:, 1, 0, :, stage] * start[:, 1]
-            for i in range(N_STAGES):
-                values = values + held[:, i, 0, :, stage] * loads[:, :, i]
-            known.append(values)
-        known += [end[:, 0], start[:, 1] * width, end[:, 1] * width]
-        powers = np.zeros((len(_ORDERS), *start[:, 0].shape))
-        for power, row in zip(powers, _FIT, strict=True):
-            for factor, values in zip(row, known, strict=True):
-                power += factor * values
-        return powers
+        blows = []
+        for i in range(self.group.maps.kinks.shape[1]):
+            kinks = self.group.maps.kinks[own, i]
+            bends = fleet.tires[own] * self.road[:, 2 + i]
+            smooth = moments(kinks)
+            for stage, s in enumerate(GAUSS):
+                shapes = self.group.shapes(self._tires(own, cells + s))
+                for tire in range(kinks.shape[1]):
+                    loads[:, :, stage] += (bends * smooth[stage] * shapes)[:, :, tire].T
+            shapes, further, before = (
+                self.group.shapes(self._tires(own, cells[:, np.newaxis] + kinks + step))
+                for step in (0.0, STEP, -STEP)
+            )
+            slopes = (further - before) / (2 * STEP)
+            forces = [-np.moveaxis(bends * of, 0, -1) for of in (shapes, 2 * slopes)]
+            blows.append((kinks, self._blows(forces, phase, yields)))
+        blows += self._comings(marched, loads, phase, yields)
+        start = marched.modes[cells, :, :, own]
+        powers = np.zeros((MODE_TERMS, *phase.shape))
+        powers[0], powers[1] = start[:, 0], start[:, 1] * width
+        for p in range(MODE_TERMS - 2):
+            given = -(phase**2) * powers[p] - 2 * damping * phase * (p + 1) * powers[p + 1]
+            if p < N_STAGES:
+                for stage in range(N_STAGES):
+                    given += yields * _FROM_STAGES[p, stage] * loads[:, :, stage]
+            powers[p + 2] = given / ((p + 1) * (p + 2))
+        return powers, blows
+
+    def _comings(
+        self, marched: Marched, loads: FloatArray, phase: FloatArray, yields: FloatArray
+    ) -> list[tuple[FloatArray, FloatArray]]:
+        """What tires do where shapes have kinks, as where they come on, taken from the loads."""
+        group, cells, own = self.group, self.cells, self.own
+        found = []
+        for place, jump in zip(*group.shapes.slope_jumps(), strict=True):
+            way = (place + group.fleet.offsets[own] - group.start) / group.width - group.ahead
+            kinks = way - cells[:, np.newaxis]
+            here = (kinks >= 0) & (kinks < 1)
+            if not here.any():
+                continue
+            kinks = np.where(here, kinks, 1.0)
+            forces = np.where(here, marched.forces[cells, -1, :, own], 0.0)
+            forces = forces[..., np.newaxis] * (group.width * jump)
+            for stage, smooth in enumerate(moments(kinks)):
+                for tire in range(kinks.shape[1]):
+                    loads[:, :, stage] -= forces[:, tire] * smooth[:, tire, np.newaxis]
+            found.append((kinks, self._blows([forces], phase, yields)))
+        return found
+
+    @staticmethod
+    def _blows(forces: list[FloatArray], phase: FloatArray, yields: FloatArray) -> FloatArray:
+        """What forces s, s^2 / 2, ... (candidates, K, modes) from a kink on do, by powers of s."""
+        found = np.zeros((BENT_TERMS, *forces[0].shape))
+        for first, force in enumerate(forces):
+            blow = force * yields[:, np.newaxis]
+            for term in range(first, BENT_TERMS, 2):
+                found[term] += blow / factorial(term + 3)
+                blow = -blow * phase[:, np.newaxis] ** 2
+        return found
+
+    def _tires(self, own: NDArray[np.intp], cells: FloatArray) -> FloatArray:
+        """Places of the tires for places in cells, (n, K)."""
+        x = self.group.start + (self.group.ahead + cells) * self.group.width
+        return np.asarray(x.reshape(len(own), -1) - self.group.fleet.offsets[own])
 
     def __call__(self, of: NDArray[np.intp], s: FloatArray) -> FloatArray:
         """The effect times its sense at shares of cells, (n, points)."""
         group, read, own = self.group, self.read, self.own[of]
         modes = self._horner(self.modes[:, of], s)
+        for kinks, blows in self.blows:
+            for tire in range(blows.shape[2]):
+                after = np.maximum(s - kinks[of, tire, np.newaxis], 0.0)
+                modes += self._horner(blows[:, of, tire], after) * (after**3)[..., np.newaxis]
         offsets = group.fleet.offsets[own][:, np.newaxis]
         x = group.start + (group.ahead + self.cells[of][:, np.newaxis] + s) * group.width
         tires = x[..., np.newaxis] - offsets
@@ -255,7 +313,7 @@ class _Inside:
             values += read.displacements[mode] * modes[..., mode]
         if read.rates.any():
             widths = (group.width / group.speeds)[own, np.newaxis]
-            orders = _ORDERS[1:, np.newaxis, np.newaxis]
+            orders = np.arange(1, MODE_TERMS)[:, np.newaxis, np.newaxis]
             rates = self._horner(orders * self.modes[1:, of], s[..., 0])
             for mode in np.flatnonzero(read.rates):
                 values += read.rates[mode] * rates[..., mode] / widths
