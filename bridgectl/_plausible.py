@@ -131,7 +131,7 @@ def judge_crossing(
 
 def judge_speed(name: str, speed: float) -> None:
     """Warn of a speed [m/s] of no truck."""
-    _tell(_speed_doubts(name, speed, f"for {speed:.4g} km/h type {speed:.4g} / 3.6"))
+    _tell(speed_doubts(name, speed, f"for {speed:.4g} km/h type {speed:.4g} / 3.6"))
 
 
 def judge_load(crossing: Crossing) -> None:
