@@ -102,6 +102,7 @@ def run_assess(args: argparse.Namespace) -> None:
     options.check_plot(args.plot)
     options.check_work(args)
     _check_table(args.table)
+    _check_period(args)
     bridge, fleet = bridges.make_bridge(args), _fleet(args)
     asked = asked_effects(args, bridge, fleet.passing(0).vehicle)
     with options.resumed(args.resume):
@@ -192,6 +193,15 @@ def _effect_json(
 def _estimate_json(estimate: Estimate) -> list[float | None]:
     """Value, and the ends of its 95 % interval; null where they are not known."""
     return [None if np.isnan(each) else each for each in estimate]
+
+
+def _check_period(args: argparse.Namespace) -> None:
+    """Refuse before the work what no characteristic value can be found by."""
+    check.choice("--method", args.method, METHODS)
+    check.positive("--return-period", args.return_period, unit="years")
+    check.positive("--days-a-year", args.days_a_year)
+    if args.trucks_a_day is not None:
+        check.positive("--trucks-a-day", args.trucks_a_day)
 
 
 def _check_table(path: Path | None) -> None:
