@@ -28,8 +28,8 @@ class UnloadedTireError(ValueError):
 
 def number(name: str, value: Any, *, unit: str = "") -> float:
     """Return `value` as a finite float, or say which argument is not one."""
-    if type(value) is float and isfinite(value):  # almost always
-        return value
+    if type(value) in (float, int) and isfinite(value):  # almost always
+        return float(value)
     zero_d = isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "iuf"
     if isinstance(value, bool) or not (isinstance(value, Real) or zero_d):
         raise TypeError(f"{name} must be one number{_in(unit)}, got {_short(value)}{_hint(value)}")
@@ -147,6 +147,8 @@ def finite(name: str, values: FloatArray, *, unit: str = "") -> None:
 
 def refuse_masked(name: str, value: Any) -> None:
     """Refuse a masked array, or a list with one in it, whose mask hides values."""
+    if type(value) is np.ndarray:
+        return
     if isinstance(value, np.ma.MaskedArray):
         mask = np.ma.getmaskarray(value)
     elif isinstance(value, list | tuple) and any(

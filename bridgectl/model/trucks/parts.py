@@ -242,7 +242,7 @@ def _of_axles(
     name: str, value: float | Sequence[float], n: int, unit: str
 ) -> float | tuple[float, ...]:
     """One number, or one for each axle, of 0 or more."""
-    if np.ndim(value) == 0:
+    if isinstance(value, float | int) or np.ndim(value) == 0:
         return _checks.not_negative(name, value, unit=unit)
     each = tuple(_checks.array(name, value, (n,), unit=unit).tolist())
     if min(each) < 0:
