@@ -102,7 +102,7 @@ class Assessment(Crossings):
     >>> assessment.quantiles("daf", [0.5])
     [Estimate(1.1, 95% between 1.099 and 1.102)]
     >>> print(f"ADR {assessment.adr(return_period=75).value:.2f}")
-    ADR 1.07
+    ADR 1.09
     """
 
     def __repr__(self) -> str:
