@@ -110,7 +110,7 @@ def test_the_ratio_of_known_distributions_is_within_its_interval():
         daf = np.where(rng.random(10_000) < 0.3, 1.2, 1.1)
         found = table_of(columns(static, daf)).adr(100)
         hits += found.low <= known <= found.high
-    assert hits >= 90
+    assert hits >= 95
 
 
 def test_the_daf_falls_as_the_static_effect_rises(one_road, traffic_of_trucks):
@@ -340,7 +340,7 @@ def test_a_million_crossings_are_assessed_in_little_memory(tmp_path):
     large = columns(static, 1 + 0.1 * rng.random(static.size))
     large |= {"kind": (np.zeros(static.size, dtype=np.uint8), ("van",))}
     tracemalloc.start()
-    assessment = table_of(large)
+    assessment = bc.Assessment(large, {"moment": "N m"}, **ASKED)
     assessment.characteristic()
     assessment.daf_bins()
     assessment.quantiles()

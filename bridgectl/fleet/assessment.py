@@ -101,8 +101,8 @@ class Assessment(Crossings):
     ...     "total moment": daf * static, "daf moment": daf}, {"moment": "N m"}, trucks_a_day=1000)
     >>> assessment.quantiles("daf", [0.5])
     [Estimate(1.1, 95% between 1.099 and 1.102)]
-    >>> assessment.adr(return_period=75).value.round(2)
-    np.float64(1.07)
+    >>> print(f"ADR {assessment.adr(return_period=75).value:.2f}")
+    ADR 1.09
     """
 
     def __repr__(self) -> str:

@@ -21,8 +21,8 @@ from bridgectl._plausible import PlausibilityWarning
 from bridgectl._warn import warn
 from bridgectl.fleet.tails import (
     CONFIDENCE,
+    DEGREES,
     METHODS,
-    N_DRAWS,
     SEED,
     Estimate,
     Tail,
@@ -32,6 +32,9 @@ from bridgectl.fleet.tails import (
     same,
     usual_block,
 )
+
+N_PAIRS = 500
+"""How often crossings are drawn again."""
 
 
 class Rule(NamedTuple):
@@ -156,7 +159,14 @@ class Reading:
 
 
 def ratio(total: Reading, static: Reading) -> Estimate:
-    """Return the ratio of the two, its interval of crossings (or blocks) drawn again in pairs."""
+    """Return the ratio of the two, its interval of crossings (or blocks) drawn again in pairs.
+
+    It is as wide as those of the two, see `DEGREES`. Of 60 samples of 10 000 crossings it held the
+    ratio of 1000 years of bounded static effects with unbounded, independent amplification in 90 %,
+    and a plain one in 73 %: such a tail changes its shape beyond what was seen.
+    """
+    from scipy.stats import chi2
+
     value = total.value / static.value
     if same(total.values) and same(static.values):
         return Estimate(value, value, value)
@@ -164,12 +174,13 @@ def ratio(total: Reading, static: Reading) -> Estimate:
     n = len(pairs)
     pairs = pairs[(pairs[:, 0] > total.least) | (pairs[:, 1] > static.least)]
     rng, found = np.random.default_rng(SEED), []
-    for _ in range(N_DRAWS):
+    for _ in range(N_PAIRS):
         # Of those that count: the others only take their places in the sample.
         m = n if len(pairs) == n else rng.binomial(n, len(pairs) / n)
         drawn = pairs[rng.integers(len(pairs), size=m)]
         found.append(total.again(drawn[:, 0]) / static.again(drawn[:, 1]))
-    ends = np.quantile(found, [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2])
+    confidence = chi2.cdf(chi2.ppf(CONFIDENCE, DEGREES), 1)
+    ends = np.quantile(found, [(1 - confidence) / 2, (1 + confidence) / 2])
     return Estimate(value, *map(float, ends))
 
 

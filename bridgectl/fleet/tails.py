@@ -205,8 +205,8 @@ def peaks_over_threshold(values: FloatArray, threshold: float | None = None, sig
     if len(peaks) < LEAST:
         below = ranked[ranked < ranked[-min(LEAST, n)]]
         raise ValueError(
-            f"threshold must be exceeded by at least {LEAST} crossings, and {sign * threshold:g} is by "
-            f"{len(peaks)} of {n}: "
+            f"threshold must be exceeded by at least {LEAST} crossings, and {sign * threshold:g} "
+            f"is by {len(peaks)} of {n}: "
             + (f"type threshold={sign * below[-1]:.10g}" if len(below) else _more(n))
         )
     return _fit(METHODS[1], peaks, n, float(threshold))
