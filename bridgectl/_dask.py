@@ -94,7 +94,7 @@ def _local(workers: int) -> Iterator[Any]:
 
     with deaf_to_ctrl_c():
         cluster = LocalCluster(
-            n_workers=workers, threads_per_worker=1, memory_limit=None, dashboard_address=None,
+            n_workers=workers, threads_per_worker=1, memory_limit=None, dashboard_address=":0",
             silence_logs=logging.CRITICAL,
         )  # fmt: skip
     with cluster, Client(cluster, set_as_default=False) as client:
