@@ -13,10 +13,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
+import numpy as np
 import timing  # noqa: F401 - one thread, before numpy
 from distributed import Client, LocalCluster
-
-import numpy as np
 from joblib import parallel_config
 
 from bridgectl._workers import in_processes
@@ -70,7 +69,9 @@ def main() -> None:
     print(f"{SHARES} shares of {SECONDS} s, best of {REPEATS}:")
     best = {name: min(wall for wall, _ in each) for name, each in times.items()}
     for name, each in times.items():
-        print(f"  {name}: {best[name]:.2f} s, of this processor {min(own for _, own in each):.2f} s")
+        print(
+            f"  {name}: {best[name]:.2f} s, of this processor {min(own for _, own in each):.2f} s"
+        )
     one, joblib, runs, starts = best.values()
     print(f"two processes against one: {one / joblib:.2f} (at least 1.7 asked)")
     print(f"Dask against joblib: {runs / joblib:.2f} (at most 1.3 asked)")
