@@ -92,13 +92,18 @@ def _connected(scheduler: str, workers: int) -> Iterator[Any]:
 def _local(workers: int) -> Iterator[Any]:
     from distributed import Client, LocalCluster
 
-    with deaf_to_ctrl_c():
-        cluster = LocalCluster(
-            n_workers=workers, threads_per_worker=1, memory_limit=None, dashboard_address=None,
-            silence_logs=logging.CRITICAL,
-        )  # fmt: skip
-    with cluster, Client(cluster, set_as_default=False) as client:
-        yield client
+    cluster = None
+    try:
+        with deaf_to_ctrl_c():
+            cluster = LocalCluster(
+                n_workers=workers, threads_per_worker=1, memory_limit=None, dashboard_address=":0",
+                silence_logs=logging.CRITICAL,
+            )  # fmt: skip
+        with Client(cluster, set_as_default=False) as client:
+            yield client
+    finally:
+        if cluster is not None:
+            cluster.close()
 
 
 @contextmanager
