@@ -33,8 +33,8 @@ NARROWEST = 0.01
 MOST_PHASE, MOST_MODE_PHASE = 0.7, 1.7
 """Largest advance of phase in a cell [rad] of the vehicle's fastest motion and the highest mode."""
 
-TOGETHER = 1000
-"""States of the vehicles that go together: some 60 five-axle trucks, 250 quarter-cars."""
+TOGETHER = 3000
+"""States of the vehicles that go together: some 190 five-axle trucks, 750 quarter-cars."""
 
 LOW = 0.1
 """Least tire force over its static load below which a tire may leave the road between samples."""
