@@ -122,7 +122,8 @@ def given(
             require_beyond(covered(crossing, road, start))
         if plain:
             checked.add(id(road))
-        paths.require(Motion(float(c[i])))
+        with every.of_vehicle(i):
+            paths.require(Motion(float(c[i])))
     return every
 
 
