@@ -382,7 +382,9 @@ def test_a_start_in_the_air_is_told_of_its_vehicle(bridge):
     x = -20 + 0.1 * np.arange(501)
     wave = bc.RoadProfile(x, 0.45 * np.sin(x))
     with pytest.raises(ValueError, match=r"vehicle\[1\]: start must be where all tires stand"):
-        bc.daf(bridge, [bc.li2006.car(), five_axle(np.random.default_rng(19))], 20.0, wave, start=-4)
+        bc.daf(
+            bridge, [bc.li2006.car(), five_axle(np.random.default_rng(19))], 20.0, wave, start=-4
+        )
 
 
 @pytest.mark.filterwarnings("default")
@@ -424,7 +426,9 @@ def test_a_start_that_is_forgotten_is_not_told(bridge):
 
 def test_tables_of_places_are_those_functions_and_zero_off_the_bridge():
     kinks = np.array([0.0, 3.0 - 1e-6, 3.0, 3.0 + 1e-6, 10.0])
-    bent = table(lambda x: np.abs(x - 3)[:, np.newaxis] + 2 * np.sin(x)[:, np.newaxis], kinks, 10.0, 0.2)
+    bent = table(
+        lambda x: np.abs(x - 3)[:, np.newaxis] + 2 * np.sin(x)[:, np.newaxis], kinks, 10.0, 0.2
+    )
     x = np.random.default_rng(22).uniform(0.01, 9.99, (50, 4))
     assert bent(x)[0] == pytest.approx(np.abs(x - 3) + 2 * np.sin(x), abs=3e-8)
     assert np.all(bent(np.array([-1.0, 0.0, 10.0, 12.0])) == 0)
