@@ -204,7 +204,7 @@ def daf(
     >>> bc.daf(beam, car, [50 / 3.6, 110 / 3.6], recovery="li2006").round(4)
     array([1.0551, 1.1302])
     >>> bc.daf(beam, [car, bc.trucks.load("T5air")], [20.0, 25.0]).round(4)
-    array([1.009 , 1.0289])
+    array([1.0387, 1.0458])
     """
     if is_sequence(vehicle):
         many = given(beam, vehicle, speeds, profile, start, effect, section, recovery)
