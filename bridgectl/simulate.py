@@ -6,7 +6,7 @@ Arguments are checked and judged here, once; the engines, linear and closed loop
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import control
 import numpy as np
@@ -18,7 +18,7 @@ from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.estimates import require_surface
 from bridgectl.linear.lift_off import warn_of_flight
-from bridgectl.linear.many.crossings import given, is_sequence
+from bridgectl.linear.many.crossings import alone, given, is_sequence
 from bridgectl.linear.many.front import peaks_of_many, responses_of_many
 from bridgectl.linear.response import METHODS, as_response, linear_response, until
 from bridgectl.linear.runs import Run
@@ -122,7 +122,8 @@ def crossing_response(
     if is_sequence(vehicle):
         many = given(beam, vehicle, speed, profile, start, effect, section, recovery)
         return responses_of_many(many, method, damper, effects, static, tail, timepts)
-    motion = as_motion(speed)
+    vehicle, profile = alone(vehicle, profile)
+    motion = as_motion(cast(float | Motion, speed))
     crossing = make_crossing(beam, vehicle, effect, section, recovery, effects, static)
     crossing.paths.require(motion)
     _checks.choice("method", method, METHODS)
@@ -139,8 +140,8 @@ def crossing_response(
 
     judge_range(vehicle, devices)
     places = np.zeros(0) if asked is None else asked
-    found = damped_response(run, motion.speed, devices, places)
-    return as_response(found[0], motion, *found[1:])
+    damped = damped_response(run, motion.speed, devices, places)
+    return as_response(damped[0], motion, *damped[1:])
 
 
 @on_one_thread
@@ -165,7 +166,8 @@ def daf(
     Parameters
     ----------
     beam, vehicle
-        See `Crossing`.
+        See `Crossing`. Of a sequence of vehicles each has one of the speeds and roads, or all the
+        same: they are simulated side by side, and the bits of one are no matter of the others.
     section, recovery, effect : optional
         What the factor is of: `Moment`, `Deflection` or `TireForce`. 'moment' and 'deflection' are
         short for those at a section, a fraction of the span, with the recovery of `Moment`,
@@ -181,6 +183,7 @@ def daf(
     Returns
     -------
     ndarray, shape (n_speeds,) or (n_effects, n_speeds)
+        Of a sequence of vehicles (n_vehicles,) or (n_effects, n_vehicles).
 
     Raises
     ------
@@ -200,11 +203,14 @@ def daf(
     >>> beam, car = bc.li2006.beam(), bc.li2006.car()
     >>> bc.daf(beam, car, [50 / 3.6, 110 / 3.6], recovery="li2006").round(4)
     array([1.0551, 1.1302])
+    >>> bc.daf(beam, [car, bc.trucks.load("T5air")], [20.0, 25.0]).round(4)
+    array([1.0387, 1.0458])
     """
     if is_sequence(vehicle):
         many = given(beam, vehicle, speeds, profile, start, effect, section, recovery)
         found = peaks_of_many(many, method, damper, progress=progress, factor=True).factors
         return found if isinstance(effect, list | tuple) else found[0]
+    vehicle, profile = alone(vehicle, profile)
     crossings = crossings_of(effect, beam, vehicle, section, recovery)
     c, motions = crossings[0].paths.given(speeds)
     for crossing in crossings:
@@ -243,7 +249,7 @@ def peak_effect(
 
     Returns
     -------
-    ndarray, shape (n_speeds,) or (n_effects, n_speeds)
+    ndarray, shape (n_speeds,) or (n_effects, n_speeds), or of n_vehicles
         In N m, m, N or m/s^2.
 
     Raises
@@ -269,6 +275,7 @@ def peak_effect(
         many = given(beam, vehicle, speeds, profile, start, effect, section, recovery)
         found = peaks_of_many(many, method, damper, progress=progress, factor=False).peaks
         return found if isinstance(effect, list | tuple) else found[0]
+    vehicle, profile = alone(vehicle, profile)
     crossings = crossings_of(effect, beam, vehicle, section, recovery)
     c, motions = crossings[0].paths.given(speeds)
     devices = fitted_to(damper, vehicle, method, motions)

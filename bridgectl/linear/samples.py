@@ -155,11 +155,11 @@ def peaks_of_effects(
         for cells in dict.fromkeys(alike):
             own = [i for i, each in enumerate(alike) if each == cells]
             group = [crossings[i] for i in own]
-            found = peaks_of_effects(run, group, speeds, method, progress)
-            result.factors[own], result.places[own] = found.factors, found.places
+            part = peaks_of_effects(run, group, speeds, method, progress)
+            result.factors[own], result.places[own] = part.factors, part.places
             result = result._replace(
-                least=np.fmin(result.least, found.least),
-                flights=np.fmin(result.flights, found.flights),
+                least=np.fmin(result.least, part.least),
+                flights=np.fmin(result.flights, part.flights),
             )
         return result
     scales = np.array([crossing.scale for crossing in crossings])

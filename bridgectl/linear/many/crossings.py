@@ -65,9 +65,14 @@ class ManyCrossings(NamedTuple):
         return ~np.isnan(self.flights)
 
 
-def is_sequence(value: Any) -> bool:
+def is_sequence(value: object) -> bool:
     """Whether vehicles or roads are given as a sequence of them."""
     return isinstance(value, list | tuple)
+
+
+def alone(vehicle: Any, profile: Any) -> tuple[Vehicle | QuarterCar, RoadProfile | None]:
+    """A vehicle and a road that are no sequences: what else they are is checked later."""
+    return vehicle, profile
 
 
 class Given(NamedTuple):
@@ -93,9 +98,9 @@ class Given(NamedTuple):
 
 def given(
     beam: BridgeModel,
-    vehicles: Sequence[Vehicle | QuarterCar],
-    speeds: ArrayLike | Sequence[Any],
-    profiles: RoadProfile | Sequence[RoadProfile | None] | None,
+    vehicles: Any,
+    speeds: Any,
+    profiles: Any,
     start: float,
     effect: Effect | str | Sequence[Effect | str],
     section: float = 0.5,
@@ -122,7 +127,8 @@ def given(
             require_beyond(covered(crossing, road, start))
         if plain:
             checked.add(id(road))
-        paths.require(Motion(float(c[i])))
+        with every.of_vehicle(i):
+            paths.require(Motion(float(c[i])))
     return every
 
 
@@ -185,17 +191,15 @@ def many_crossings(
     return simulate(given(beam, vehicles, speeds, profiles, start, effects), progress=progress)
 
 
-def simulate(
-    many: Given, method: str = "propagator", *, progress: bool = False
-) -> ManyCrossings:
+def simulate(many: Given, method: str = "propagator", *, progress: bool = False) -> ManyCrossings:
     """Simulate what was given."""
     n_effects, count = len(many.crossings), len(many.speeds)
     statics = np.array([[crossing.static_peak for crossing in own] for own in many.crossings])
     statics = statics.reshape(n_effects, count)
-    result = ManyCrossings(
-        statics, *np.full((3, n_effects, count), np.nan), *np.full((3, count), np.nan),
-        np.ones(count, bool),
-    )  # fmt: skip
+    factors, places, times = np.full((3, n_effects, count), np.nan)
+    least, flights, felt = np.full((3, count), np.nan)
+    every = np.ones(count, dtype=bool)
+    result = ManyCrossings(statics, factors, places, times, least, flights, felt, every)
     if method == "propagator" and count:
         effects = [own[0].effect for own in many.crossings]
         vehicles = [crossing.linear for crossing in many.crossings[0]]
@@ -205,7 +209,7 @@ def simulate(
         result.factors[:, taken] /= np.where(statics == 0, 1.0, statics)[:, taken]
         result.places[:, taken], result.least[taken] = found.places[:, taken], found.least[taken]
         result.felt[taken], result.alone[taken] = found.felt[taken], False
-    left, runs = np.flatnonzero(result.alone), many.runs
+    left, runs = np.flatnonzero(result.alone).tolist(), many.runs
     for i in track(left, "Simulating crossings one by one", len(left), show=progress):
         own = [of[i] for of in many.crossings]
         with many.of_vehicle(i):

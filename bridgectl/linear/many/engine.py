@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from bridgectl._checks import FloatArray
 from bridgectl.linear.many.maps import Fleet, fleet_of, maps_of
 from bridgectl.linear.many.march import Group, march, start_felt
-from bridgectl.linear.many.places import Table, table
+from bridgectl.linear.many.places import table
 from bridgectl.linear.many.roads import EvenRoad, Layout, Rows, even_road, layout
 from bridgectl.linear.many.tops import Read, find_tops
 from bridgectl.linear.nodes import MAX_WIDTH
 from bridgectl.model.bridge import BridgeModel
-from bridgectl.model.bridge_effects import AtSection
+from bridgectl.model.bridge_effects import Deflection, Moment, Reaction, Shear, Stress
 from bridgectl.model.effect import SENSES, Effect
 from bridgectl.model.traffic import Traffic
 from bridgectl.model.vehicle import Vehicle
@@ -33,8 +33,8 @@ NARROWEST = 0.01
 MOST_PHASE, MOST_MODE_PHASE = 0.7, 1.7
 """Largest advance of phase in a cell [rad] of the vehicle's fastest motion and the highest mode."""
 
-TOGETHER = 1000
-"""States of the vehicles that go together: some 60 five-axle trucks, 250 quarter-cars."""
+TOGETHER = 3000
+"""States of the vehicles that go together: some 190 five-axle trucks, 750 quarter-cars."""
 
 LOW = 0.1
 """Least tire force over its static load below which a tire may leave the road between samples."""
@@ -48,6 +48,10 @@ WIDEST_PIECE = 0.25
 
 ON_SUPPORTS = 1e-9
 """Share of its largest value that a shape may have at an end: a tire comes on without a blow."""
+
+
+READ = (Moment, Stress, Deflection, Shear, Reaction)
+"""Effects of tire forces and modes by the place of the tires."""
 
 
 class Found(NamedTuple):
@@ -75,39 +79,42 @@ class Engine:
         ends = np.abs(bridge.mode_shapes(np.array([0.0, bridge.length])))
         self.shapes = table(bridge.mode_shapes, bridge.kinks(0.5), bridge.length, widest)
         largest = np.abs(self.shapes.powers[0]).max(axis=1)
-        self.reads = [_read(effect, bridge, widest) for effect in effects]
-        self.fits = bool(np.all(ends <= ON_SUPPORTS * largest)) and None not in self.reads
+        found = [_read(effect, bridge, widest) for effect in effects]
+        self.reads = [read for read in found if read is not None]
+        supported = bool(np.all(ends <= ON_SUPPORTS * largest))
+        self.fits = supported and len(self.reads) == len(effects)
 
     def run(
         self, vehicles: Sequence[Vehicle], speeds: FloatArray, roads: Sequence[RoadProfile | None]
     ) -> Found:
         """Peaks of all crossings that arrays take."""
         count = len(vehicles)
-        found = Found(
-            *np.full((2, len(self.reads), count), np.nan), *np.full((2, count), np.nan),
-            np.zeros(count, bool),
-        )  # fmt: skip
+        peaks, places = np.full((2, len(self.reads), count), np.nan)
+        least, felt = np.full((2, count), np.nan)
+        found = Found(peaks, places, least, felt, np.zeros(count, dtype=bool))
         if not self.fits:
             return found
-        known: dict[int, EvenRoad | None] = {}
-        for road in roads:
-            if id(road) not in known:
-                datum = 0.0 if road is None else max(self.start, float(road.x[0]))
-                known[id(road)] = even_road(road, datum)
-        shapes = defaultdict(list)
+        even = {id(road): self._even(road) for road in roads}
+        alike = defaultdict(list)
         for i, vehicle in enumerate(vehicles):
-            plain = not isinstance(vehicle, Traffic) and not vehicle.tire_damping.any()
-            if plain and known[id(roads[i])] is not None:
-                shapes[vehicle.n_tires, vehicle.n_coordinates].append(i)
-        for alike in shapes.values():
-            fleet = fleet_of([vehicles[i] for i in alike])
-            for lie, own in self._layouts(fleet, speeds[alike], [known[id(roads[i])] for i in alike]).items():
-                together = max(1, TOGETHER // fleet.hubs.shape[-1] // 2)
-                for first in range(0, len(own), together):
-                    part = own[first : first + together]
-                    which = np.array(alike)[part]
-                    self._group(found, which, fleet.of(part), speeds[which], lie, [known[id(roads[i])] for i in which])
+            road = even[id(roads[i])]
+            if not (road is None or isinstance(vehicle, Traffic) or vehicle.tire_damping.any()):
+                alike[vehicle.n_tires, vehicle.n_coordinates].append((i, road))
+        for each in alike.values():
+            which, own = np.array([i for i, _ in each]), [road for _, road in each]
+            fleet = fleet_of([vehicles[i] for i in which])
+            together = max(1, TOGETHER // (2 * fleet.hubs.shape[-1]))
+            for lie, parts in self._layouts(fleet, speeds[which], own).items():
+                for first in range(0, len(parts), together):
+                    part = np.array(parts[first : first + together])
+                    group = self._group(
+                        fleet.of(part), speeds[which[part]], lie, [own[i] for i in part]
+                    )
+                    self._march(found, which[part], group)
         return found
+
+    def _even(self, road: RoadProfile | None) -> EvenRoad | None:
+        return even_road(road, 0.0 if road is None else max(self.start, float(road.x[0])))
 
     def _layouts(
         self, fleet: Fleet, speeds: FloatArray, roads: Sequence[EvenRoad]
@@ -115,20 +122,25 @@ class Engine:
         """Crossings by the cells that each needs."""
         highest = float(self.bridge.omega.max())
         phases = np.maximum(fleet.fastest / MOST_PHASE, highest / MOST_MODE_PHASE)
-        groups = defaultdict(list)
+        groups: dict[Layout, list[int]] = defaultdict(list)
         for i, widest in enumerate(np.minimum(WIDEST, speeds / phases)):
             if widest >= NARROWEST:
                 groups[layout(roads[i].step, float(widest))].append(i)
         return groups
 
-    def _group(self, found: Found, which: NDArray[np.intp], fleet: Fleet, speeds: FloatArray, lie: Layout, roads: Sequence[EvenRoad]) -> None:
+    def _group(
+        self, fleet: Fleet, speeds: FloatArray, lie: Layout, roads: Sequence[EvenRoad]
+    ) -> Group:
         """Crossings of one shape and one width of cells."""
         each = {id(road): road for road in roads}
         number = {key: i for i, key in enumerate(each)}
         own = np.array([number[id(road)] for road in roads])
         rows = Rows(list(each.values()), own, lie, self.start - fleet.offsets)
         maps = maps_of(fleet, lie.width / speeds, rows.places)
-        group = Group(self.bridge, self.shapes, fleet, maps, rows, self.start, lie.width, speeds)
+        return Group(self.bridge, self.shapes, fleet, maps, rows, self.start, lie.width, speeds)
+
+    def _march(self, found: Found, which: NDArray[np.intp], group: Group) -> None:
+        """Simulate a group, and keep what is found of it."""
         marched = march(group)
         found.least[which], found.felt[which] = marched.least, start_felt(group)
         found.taken[which] = (marched.least >= LOW) & (marched.apart <= APART)
@@ -141,7 +153,7 @@ def _read(effect: Effect, bridge: BridgeModel, widest: float) -> Read | None:
     sense, still = SENSES[effect.sense], np.zeros(bridge.n_modes)
     if type(effect) is TireForce:
         return Read(None, effect.tire - 1, np.zeros(0), still, still, sense)
-    if not isinstance(effect, AtSection) or not effect.has_static:
+    if type(effect) not in READ:
         return None
     one = Vehicle([[1e4]], [[0.0]], [[0.0]], [1e6])
 
@@ -150,5 +162,5 @@ def _read(effect: Effect, bridge: BridgeModel, widest: float) -> Read | None:
 
     kinks = effect.kinks(bridge)
     rows = effect.rows(bridge, one, np.zeros((1, 1)))
-    modes = rows.per_state[2:].reshape(-1, 2).T
-    return Read(table(gains, kinks, bridge.length, widest), 0, kinks, *modes, sense)
+    values, rates = rows.per_state[2:].reshape(-1, 2).T
+    return Read(table(gains, kinks, bridge.length, widest), 0, kinks, values, rates, sense)

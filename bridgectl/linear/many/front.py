@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import control
-import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl import _checks
-from bridgectl._checks import FloatArray
 from bridgectl._warn import asker
-from bridgectl.linear.many.crossings import Given, ManyCrossings, given, simulate
+from bridgectl.linear.many.crossings import Given, ManyCrossings, simulate
 from bridgectl.linear.many.told import tell_flights, tell_found, tell_given
 from bridgectl.linear.response import METHODS, as_response, linear_response, until
 from bridgectl.linear.runs import Run
 from bridgectl.linear.start import require_contact
 from bridgectl.model.crossing import make_crossing, require_factor
-from bridgectl.model.effect import Effect
 from bridgectl.model.effects import NamedEffects
 from bridgectl.model.motion import Motion
 

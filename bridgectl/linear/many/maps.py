@@ -16,6 +16,7 @@ from math import factorial
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import GAUSS, N_STAGES
@@ -51,7 +52,7 @@ class Fleet(NamedTuple):
     fastest: FloatArray
     """Fastest motion on a rigid road [rad/s], (N,)."""
 
-    def of(self, which: FloatArray) -> Fleet:
+    def of(self, which: NDArray[np.intp]) -> Fleet:
         """Some of them."""
         return Fleet(*(each[which] for each in self))
 
@@ -115,7 +116,7 @@ def maps_of(fleet: Fleet, durations: FloatArray, kinks: FloatArray) -> Maps:
     inputs[:, n:] = h**2 * fleet.inputs
     rows, held = [np.zeros((count, n_tires, 2 * n))], [inputs]
     rows[0][..., :n] = fleet.hubs
-    for p in range(1, TERMS):
+    for _ in range(1, TERMS):
         rows.append(rows[-1] @ matrix)
         held.append(matrix @ held[-1])
     through = [rows[0] @ each for each in held]
@@ -156,9 +157,7 @@ def maps_of(fleet: Fleet, durations: FloatArray, kinks: FloatArray) -> Maps:
         road[:, stage, :, 0] -= eye
         road[:, stage, :, 1] -= eye * s
         bent_hubs[:, stage] -= eye * s**2
-        road[:, stage, :, 2:] -= (
-            eye[:, np.newaxis] * np.maximum(s - kinks, 0.0)[:, np.newaxis]
-        )
+        road[:, stage, :, 2:] -= eye[:, np.newaxis] * np.maximum(s - kinks, 0.0)[:, np.newaxis]
     road *= tires[..., np.newaxis]
     hubs *= tires
     bent_hubs *= tires
@@ -176,9 +175,10 @@ def maps_of(fleet: Fleet, durations: FloatArray, kinks: FloatArray) -> Maps:
         for power in range(N_STAGES):
             surface[:, :, stage] += powers[:, :, power] * _FROM_STAGES[power, stage]
     own = kinks[:, 0, :, np.newaxis]
-    watch = sum(rows[p] * (own**p / factorial(p)) for p in range(TERMS))
+    watch = np.zeros_like(rows[0])
     seen = np.zeros((count, n_tires, 2 + n_kinks, n_tires))
     for p in range(TERMS):
+        watch += rows[p] * (own**p / factorial(p))
         seen[:, :, 0] += through[p] * (own ** (p + 1) / factorial(p + 1))
         seen[:, :, 1] += through[p] * (own ** (p + 2) / factorial(p + 2))
         after = np.maximum(own[:, :, np.newaxis] - kinks[:, np.newaxis], 0.0)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import GAUSS, N_STAGES
@@ -196,7 +197,9 @@ def _bridge(group: Group, state: FloatArray, least: FloatArray) -> Marched:
     smooth = np.moveaxis(maps.smoothed, 0, -1)  # stages, kinks, tires, N
     for kink in range(maps.kinks.shape[1]):
         forces -= smooth[:, kink] * road[:, np.newaxis, 2 + kink]
-    x = group.places(np.arange(cells)[:, np.newaxis, np.newaxis, np.newaxis] + GAUSS[:, np.newaxis, np.newaxis])
+    x = group.places(
+        np.arange(cells)[:, np.newaxis, np.newaxis, np.newaxis] + GAUSS[:, np.newaxis, np.newaxis]
+    )
     on_way = x[..., :1, :] + fleet.offsets.T[:1] <= group.last
     low = np.where(on_way, forces[:cells] / fleet.loads.T, np.inf).min(axis=0)
     least = np.minimum(least, low.min(axis=0).min(axis=0))
@@ -266,9 +269,17 @@ def _shapes(
         more *= group.width * group.fleet.loads[at, tire]
         for j, by in enumerate(jump):
             shapes[j, own, :, tire, at] += by * bent
-            np.add.at(inside[:, j], (own, slice(None), at), by * more[0, j, :N_STAGES].T)
-            np.add.at(at_ends[:, :, j], (own, slice(None), at), by * more[:, j, N_STAGES].T)
+            _add(inside[:, j], own, at, by * more[0, j, :N_STAGES].T)
+            _add(at_ends[:, :, j], own, at, by * more[:, j, N_STAGES].T)
     return np.ascontiguousarray(np.moveaxis(shapes, 0, 1)), inside, at_ends
+
+
+def _add(
+    total: FloatArray, cells: NDArray[np.intp], own: NDArray[np.intp], values: FloatArray
+) -> None:
+    """Add values (n, some) to those (C, some, N) of n cells and vehicles, maybe the same ones."""
+    for i in range(values.shape[1]):
+        np.add.at(total[:, i], (cells, own), values[:, i])
 
 
 def _by_vehicle(deflections: FloatArray) -> FloatArray:

@@ -6,10 +6,12 @@ the bridge has a cubic of its own, made from the bridge once.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl._places import SAME_PLACE, merge_places
@@ -26,7 +28,7 @@ class Table(NamedTuple):
 
     edges: FloatArray
     """Ends of the pieces [m], (pieces + 1,)."""
-    bins: FloatArray
+    bins: NDArray[np.intp]
     """The piece at the start of each of even bins, (bins,)."""
     scale: float
     """Bins per meter."""
@@ -36,7 +38,7 @@ class Table(NamedTuple):
     """By powers of the share of a piece, rising, of none on the last piece: off the bridge,
     (DEGREE + 1, functions, pieces + 1)."""
 
-    def pieces(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def pieces(self, x: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
         """The piece of each place, and the share of it that is behind."""
         off = (x <= self.edges[0]) | (x >= self.edges[-1])
         inside = np.where(off, self.edges[0], x)
@@ -57,7 +59,7 @@ class Table(NamedTuple):
         return values
 
     def slope_jumps(self) -> tuple[FloatArray, FloatArray]:
-        """Where slopes jump at edges [m], and by how much [1/m], (edges,) and (edges, functions)."""
+        """Edges where slopes jump [m], (n,), and by how much [1/m], (n, functions)."""
         widths = np.diff(self.edges)
         orders = np.arange(1, DEGREE + 1)[:, np.newaxis, np.newaxis]
         after, before = np.zeros((2, len(self.edges), self.powers.shape[1]))
@@ -81,7 +83,7 @@ def table(
     inside = kinks[(kinks > SAME_PLACE) & (kinks < length - SAME_PLACE)]
     ends = merge_places(np.concatenate([[0.0], inside, [length]]))
     edges = [np.zeros(1)]
-    for first, last in zip(ends[:-1], ends[1:], strict=True):
+    for first, last in itertools.pairwise(ends):
         edges.append(np.linspace(first, last, 1 + int(np.ceil((last - first) / widest)))[1:])
     cuts = np.concatenate(edges)
     widths = np.diff(cuts)

@@ -45,7 +45,7 @@ def tell_given(many: Given, asker: str) -> None:
 
 
 def tell_found(many: Given, found: ManyCrossings, asker: str) -> None:
-    """Tell of starts that are still felt, unless the package asks, and tires that leave the road."""
+    """Tell of starts that are felt, unless the package asks, and of tires that leave the road."""
     if asker != "package":
         _tell(list(_starts(many, found)), many, PlausibilityWarning)
     tell_flights(many, found.flights.tolist())

@@ -7,6 +7,7 @@ of the effect, and each piece is sampled as the propagator samples a cell.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import factorial
 from typing import NamedTuple
 
@@ -15,10 +16,10 @@ from numpy.typing import NDArray
 
 from bridgectl._checks import FloatArray
 from bridgectl.linear.cells import GAUSS, N_STAGES
-from bridgectl.linear.many.march import Group, Marched
 from bridgectl.linear.many.bends import TERMS as MODE_TERMS
 from bridgectl.linear.many.bends import moments
 from bridgectl.linear.many.maps import TERMS
+from bridgectl.linear.many.march import Group, Marched
 from bridgectl.linear.many.places import Table
 from bridgectl.linear.peaks import KNOTS, TO_FINE, tops
 
@@ -79,7 +80,7 @@ def _samples(group: Group, marched: Marched, read: Read) -> FloatArray:
         for tire in range(1, each.shape[2]):
             values += each[:, :, tire]
     for gain, kind in ((read.displacements, 0), (read.rates, 1)):
-        for mode in np.flatnonzero(gain):
+        for mode in np.flatnonzero(gain).tolist():
             values += gain[mode] * _at_stages(marched, kind, mode)
     flat = values.reshape(-1, values.shape[-1])
     front = (group.start + (group.ahead + s) * group.width).reshape(-1, 1)
@@ -119,9 +120,7 @@ class _Pieces(NamedTuple):
     last: FloatArray
 
 
-def _pieces(
-    group: Group, read: Read, own: NDArray[np.intp], cells: NDArray[np.intp]
-) -> _Pieces:
+def _pieces(group: Group, read: Read, own: NDArray[np.intp], cells: NDArray[np.intp]) -> _Pieces:
     """Cut cells where forces or gains have kinks, and where the way on the bridge ends."""
     starts = group.start + (group.ahead + cells) * group.width
     offsets = group.fleet.offsets[own]
@@ -145,7 +144,7 @@ def _exact(
     values, shares = np.empty((2, len(pieces.of)))
     for first in range(0, len(pieces.of), AT_ONCE):
         part = slice(first, first + AT_ONCE)
-        of, start, end = (each[part] for each in pieces)
+        of, start, end = pieces.of[part], pieces.first[part], pieces.last[part]
         s = start[:, np.newaxis] + (end - start)[:, np.newaxis] * KNOTS
         fine = TO_FINE @ inside(of, s)[..., np.newaxis]
         values[part], along = tops(np.ascontiguousarray(fine[..., 0].T))
@@ -196,9 +195,7 @@ class _Inside:
                 powers[p + m + 1] += share * (maps.through[p][own] @ of[..., np.newaxis])[..., 0]
         return powers
 
-    def _modes(
-        self, marched: Marched
-    ) -> tuple[FloatArray, list[tuple[FloatArray, FloatArray]]]:
+    def _modes(self, marched: Marched) -> tuple[FloatArray, list[tuple[FloatArray, FloatArray]]]:
         """Modal displacements by powers of s without the road's kinks, (powers, candidates, modes).
 
         And for each kink of every tire in a cell its place (candidates, K), and what it adds by
@@ -259,7 +256,7 @@ class _Inside:
         return found
 
     @staticmethod
-    def _blows(forces: list[FloatArray], phase: FloatArray, yields: FloatArray) -> FloatArray:
+    def _blows(forces: Sequence[FloatArray], phase: FloatArray, yields: FloatArray) -> FloatArray:
         """What forces s, s^2 / 2, ... (candidates, K, modes) from a kink on do, by powers of s."""
         found = np.zeros((BENT_TERMS, *forces[0].shape))
         for first, force in enumerate(forces):
@@ -309,13 +306,13 @@ class _Inside:
             values = each[..., 0].copy()
             for tire in range(1, each.shape[-1]):
                 values += each[..., tire]
-        for mode in np.flatnonzero(read.displacements):
+        for mode in np.flatnonzero(read.displacements).tolist():
             values += read.displacements[mode] * modes[..., mode]
         if read.rates.any():
             widths = (group.width / group.speeds)[own, np.newaxis]
             orders = np.arange(1, MODE_TERMS)[:, np.newaxis, np.newaxis]
             rates = self._horner(orders * self.modes[1:, of], s[..., 0])
-            for mode in np.flatnonzero(read.rates):
+            for mode in np.flatnonzero(read.rates).tolist():
                 values += read.rates[mode] * rates[..., mode] / widths
         return read.sense * values
 
