@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import bridgectl as bc
 from bridgectl.fleet.comparison import traffic
-from bridgectl.fleet.table import Words
+from bridgectl.fleet.words import Words
 
 ASKED = {"trucks_a_day": 1000.0}
 

@@ -28,7 +28,7 @@ from bridgectl.dampers import passive_theory
 from bridgectl.dampers.optimum.clairvoyant import Clairvoyant
 from bridgectl.dampers.peak_value import peak_value
 from bridgectl.extremes import equal_roughness_pair, extreme_road
-from bridgectl.fleet import table
+from bridgectl.fleet import words
 from bridgectl.paper import printed as paper
 from bridgectl.paper.damper_validation import DamperCase, Wrong
 from bridgectl.paper.validation import Case, ValidationResults, WarningLight
@@ -331,8 +331,8 @@ def things(bridge, truck):
     )  # fmt: skip
     assessment = bc.Assessment({
         **dict.fromkeys(["kind", "road", "quality"], np.full(2, "")),
-        **dict.fromkeys(table.USUAL[:2] + table.USUAL[5:], np.ones(2)),
-        **{f"{of} moment": np.ones(2) for of in table.OF_EFFECT},
+        **dict.fromkeys(words.USUAL[:2] + words.USUAL[5:], np.ones(2)),
+        **{f"{of} moment": np.ones(2) for of in words.OF_EFFECT},
     }, {"moment": "N m"})  # fmt: skip
     result = paper.Row("critical speed", "km/h", 105.0, 104.0)
     light = WarningLight(0.02, 100, 10, 8, 7)

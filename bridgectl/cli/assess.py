@@ -56,7 +56,8 @@ examples:
   bridgectl assess road.csv --units m,mm --spans 25,25 --mass-per-length 18e3 --frequency 4.1 \\
                    --effect sagging@10,hogging@25 --trucks 5000 --trucks-a-day 2000
   bridgectl assess --trucks 200 --trucks-a-day 1500 --damper bridgehook --damper-share 0.2
-  bridgectl assess --trucks 1000000 --trucks-a-day 4000 --resume big.jsonl --scheduler tcp://HOST:8786"""
+  bridgectl assess --trucks 1000000 --trucks-a-day 4000 --resume big.jsonl \\
+                   --scheduler tcp://HOST:8786"""
 
 
 def add_assess_options(parser: argparse.ArgumentParser) -> None:
