@@ -13,8 +13,8 @@ from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.fleet.comparison import DafBins, bins_of, mean_of, means_by_truck
 from bridgectl.fleet.crossings import Crossings
-from bridgectl.fleet.levels import Reading, Rule, quantile, ratio
-from bridgectl.fleet.tails import DAYS_A_YEAR, METHODS, Estimate, Tail
+from bridgectl.fleet.levels import Characteristic, Reading, Rule, quantile, ratio
+from bridgectl.fleet.tails import DAYS_A_YEAR, METHODS, Estimate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,18 +28,6 @@ SHARES = (0.05, 0.5, 0.95, 0.99)
 
 RETURN_PERIOD = 1000.0
 """Years that characteristic loads of EN 1991-2 stand for (AASHTO: 75)."""
-
-
-class Characteristic(NamedTuple):
-    """Characteristic effects, and the tails they are of; None where there is no fit."""
-
-    total: Estimate
-    static: Estimate
-    total_fit: Tail | None
-    static_fit: Tail | None
-
-    def __repr__(self) -> str:
-        return f"Characteristic(total={self.total}, static={self.static})"
 
 
 class Read(NamedTuple):

@@ -37,6 +37,18 @@ N_PAIRS = 500
 """How often crossings are drawn again."""
 
 
+class Characteristic(NamedTuple):
+    """Characteristic effects, and the tails they are of; None where there is no fit."""
+
+    total: Estimate
+    static: Estimate
+    total_fit: Tail | None
+    static_fit: Tail | None
+
+    def __repr__(self) -> str:
+        return f"Characteristic(total={self.total}, static={self.static})"
+
+
 class Rule(NamedTuple):
     """How a characteristic value is found."""
 
