@@ -303,6 +303,28 @@ def test_uneven_stations_and_many_modes_have_the_single_route(bridge):
     assert many.factors[0] == bc.daf(slender, car, 20.0)
 
 
+@pytest.mark.parametrize(("mass", "alone"), [(1000.0, False), (100.0, True)])
+def test_a_bridge_that_yields_at_once_has_the_single_route(mass, alone, monkeypatch):
+    """One that is lighter than what crosses it gives way within a cell; that of narrow ones."""
+    monkeypatch.setattr(nodes, "MAX_WIDTH", 0.0125)
+    light = bc.Beam(15.0, mass, mass * (2 * np.pi * 3) ** 2 * (15 / np.pi) ** 4, damping_ratio=0.02)
+    car = bc.QuarterCar(540.0, 60.0, 19e3, 1.8e6, 1.7e3)
+    road = rough_road(23, -10.0, 16.0, height=1e-4)
+    found = many_crossings(light, [car], 15.0, road, start=-10.0)
+    single = bc.daf(light, car, 15.0, road, start=-10.0)
+    assert found.alone[0] == alone
+    assert found.factors[0] == pytest.approx(single, abs=0.0 if alone else 1e-6)
+
+
+def test_printed_equations_of_a_damped_bridge_read_the_rates_of_modes():
+    damped = bc.Beam(25.0, 18358.0, 4.865e10, damping_ratio=0.05)
+    effects = [bc.Moment(11.0, recovery="li2006"), "moment"]
+    vehicles, speeds, roads = fleet(24, 3)
+    found = bc.daf(damped, vehicles, speeds, roads, start=START, effect=effects)
+    single = one_by_one(damped, vehicles, speeds, roads, effect=effects)
+    assert found == pytest.approx(single, abs=1e-6)
+
+
 def test_a_bridge_whose_ends_move_has_the_single_route():
     x = np.linspace(0, 30, 31)
     shape = 0.2 + np.sin(np.pi * x / 30)

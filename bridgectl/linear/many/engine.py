@@ -40,8 +40,8 @@ LOW = 0.1
 """Least tire force over its static load below which a tire may leave the road between samples."""
 
 APART = 3e-4
-"""Largest change of a tire force by the last pass, over its static load: the next one's would be
-less than its square."""
+"""Largest change of a tire force by the last pass, over its static load, as on bridges as light as
+the vehicle: factors and tire forces are then within 3e-7, and tens of times as far off at 2e-3."""
 
 WIDEST_PIECE = 0.25
 """Widest piece [m] of the tables of places, which are as many as there are waves at least."""

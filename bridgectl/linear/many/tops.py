@@ -255,15 +255,18 @@ class _Inside:
             found.append((kinks, self._blows([forces], phase, yields)))
         return found
 
-    @staticmethod
-    def _blows(forces: Sequence[FloatArray], phase: FloatArray, yields: FloatArray) -> FloatArray:
+    def _blows(
+        self, forces: Sequence[FloatArray], phase: FloatArray, yields: FloatArray
+    ) -> FloatArray:
         """What forces s, s^2 / 2, ... (candidates, K, modes) from a kink on do, by powers of s."""
         found = np.zeros((BENT_TERMS, *forces[0].shape))
+        slowed = (2 * self.group.bridge.damping_ratios * phase)[:, np.newaxis]
+        squared = phase[:, np.newaxis] ** 2
         for first, force in enumerate(forces):
-            blow = force * yields[:, np.newaxis]
-            for term in range(first, BENT_TERMS, 2):
+            blow, before = force * yields[:, np.newaxis], np.zeros_like(force)
+            for term in range(first, BENT_TERMS):
                 found[term] += blow / factorial(term + 3)
-                blow = -blow * phase[:, np.newaxis] ** 2
+                blow, before = -squared * before - slowed * blow, blow
         return found
 
     def _tires(self, own: NDArray[np.intp], cells: FloatArray) -> FloatArray:
@@ -312,6 +315,12 @@ class _Inside:
             widths = (group.width / group.speeds)[own, np.newaxis]
             orders = np.arange(1, MODE_TERMS)[:, np.newaxis, np.newaxis]
             rates = self._horner(orders * self.modes[1:, of], s[..., 0])
+            orders = np.arange(3, 3 + BENT_TERMS)[:, np.newaxis, np.newaxis]
+            for kinks, blows in self.blows:
+                for tire in range(blows.shape[2]):
+                    after = np.maximum(s[..., 0] - kinks[of, tire, np.newaxis], 0.0)
+                    bent = self._horner(orders * blows[:, of, tire], after)
+                    rates += bent * (after**2)[..., np.newaxis]
             for mode in np.flatnonzero(read.rates).tolist():
                 values += read.rates[mode] * rates[..., mode] / widths
         return read.sense * values
