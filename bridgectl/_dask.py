@@ -7,9 +7,10 @@ whose scheduler is gone.
 from __future__ import annotations
 
 import logging
+import socket
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import CancelledError
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager
 from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any, TypeVar
@@ -111,6 +112,7 @@ def _remote(scheduler: str) -> Iterator[Any]:
     from distributed import Client
 
     try:
+        _require_answer(scheduler)
         client = Client(scheduler, timeout=ANSWER, set_as_default=False)
     except OSError:
         raise TimeoutError(
@@ -121,6 +123,16 @@ def _remote(scheduler: str) -> Iterator[Any]:
         yield client
     finally:
         client.close(timeout=ANSWER)
+
+
+def _require_answer(scheduler: str) -> None:
+    """Wait for a scheduler's first byte: for what takes connections only, Dask waits forever."""
+    from distributed.comm import parse_address, parse_host_port
+
+    protocol, place = parse_address(scheduler)
+    with socket.create_connection(parse_host_port(place), timeout=ANSWER) as connection:
+        if protocol == "tcp" and not connection.recv(1):
+            raise ConnectionResetError
 
 
 @contextmanager
@@ -161,9 +173,8 @@ class _Run:
                     self.shares.done(index)
                     yield index, found[0]
         finally:
-            if self.client.status == "running":
-                with suppress(OSError, CancelledError):
-                    self.client.cancel([future for _, future in self.under_way.values()])
+            for _, future in self.under_way.values():
+                future.release()  # without an answer, which may never come
 
     def _hand_out(self) -> bool:
         """Submit what workers soon take; return whether anything is left to wait for."""
