@@ -232,7 +232,7 @@ def test_more_trucks_than_were_weighed_are_refused(bridge, roads):
 def test_a_meeting_that_begins_before_the_road_says_how_long_it_must_be(bridge, roads):
     fleet = bc.Fleet({"T5air": 1}, speed={"min": 10, "max": 40}, seed=1)
     road = bc.iso8608_profile("A", 30, seed=1, start=-2)
-    with pytest.raises(ValueError, match="approach must be .* m or more for truck"):
+    with pytest.raises(ValueError, match=r"approach must be .* m or more for truck"):
         assess(bridge, fleet, road, n=20, approach=2, meeting_rate=1e5)
 
 

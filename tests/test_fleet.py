@@ -416,7 +416,9 @@ def test_a_wrong_file_is_told_with_its_name_and_key(file, old, new, says):
 
 
 def test_an_unknown_fleet_is_told_with_those_that_ship():
-    with pytest.raises(ValueError, match="there is no fleet 'carlo': type air_sprung or monte_carlo, or"):
+    with pytest.raises(
+        ValueError, match="there is no fleet 'carlo': type air_sprung or monte_carlo, or"
+    ):
         bc.Fleet.load("carlo")
 
 

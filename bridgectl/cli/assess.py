@@ -40,9 +40,10 @@ bridge has to bear: the total effect against the static one.
                    assessment dynamic ratio (ADR), which stands for this bridge's dynamic factor
   influence        of the quality of the road, and of semi-active dampers in a share of the trucks
 
-The trucks: --fleet, distributions in a TOML file, of which two ship (air_sprung, monte_carlo); or --weighed, a
-table of a weigh-in-motion station with times, speeds, axle loads and spacings, whose units are in
-the names of its columns (speed_kmh, load_1_kN, spacing_1_m, ...) or in --weighed-units.
+The trucks: --fleet, distributions in a TOML file, of which two ship (air_sprung, monte_carlo); or
+--weighed, a table of a weigh-in-motion station with times, speeds, axle loads and spacings, whose
+units are in the names of its columns (speed_kmh, load_1_kN, spacing_1_m, ...) or in
+--weighed-units.
 
 The roads: ROAD files, and --random N roads of each class of --classes. Each truck crosses once on
 each quality: on one of the files, on one of class A, ...

@@ -76,12 +76,13 @@ def assess(
     damper_share : float, optional
         Share of trucks that cross with them, too; such a crossing takes about a second.
     meeting_rate : float, optional
-        Trucks [1/h] that come from the other end, at random times and of the same fleet. Roads
-        must then reach as far behind the bridge as before it. One meets each truck at most.
+        Trucks [1/h] that come from the other end, at random times and of the same fleet. Roads must
+        then reach as far behind the bridge as before it. One meets each truck at most.
     lane_factor : float, optional
         Share, up to 1, of what the other lane's trucks do: see `bridgectl.convoy`.
     trucks_a_day : float, optional
-        Number of crossings a day, for characteristic values. Default: those of the fleet's table, if it has times.
+        Number of crossings a day, for characteristic values. Default: those of the fleet's table,
+        if it has times.
     seed : int, optional
         Of what is drawn: roads, meetings, and who has dampers.
     resume : path-like, optional
