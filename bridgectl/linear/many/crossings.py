@@ -85,11 +85,10 @@ class Given(NamedTuple):
     roads: list[RoadProfile | None]
     start: float
 
-    @property
-    def runs(self) -> list[Run]:
-        """Each crossing by itself, of the first effect."""
-        each = zip(self.crossings[0], self.roads, strict=True)
-        return [Run(crossing, self.start, crossing.exit, road) for crossing, road in each]
+    def run(self, i: int) -> Run:
+        """A crossing by itself, of the first effect."""
+        crossing = self.crossings[0][i]
+        return Run(crossing, self.start, crossing.exit, self.roads[i])
 
     def of_vehicle(self, i: int) -> AbstractContextManager[None]:
         """Tells which vehicle an error in it is of."""
@@ -209,12 +208,12 @@ def simulate(many: Given, method: str = "propagator", *, progress: bool = False)
         result.factors[:, taken] /= np.where(statics == 0, 1.0, statics)[:, taken]
         result.places[:, taken], result.least[taken] = found.places[:, taken], found.least[taken]
         result.felt[taken], result.alone[taken] = found.felt[taken], False
-    left, runs = np.flatnonzero(result.alone).tolist(), many.runs
+    left = np.flatnonzero(result.alone).tolist()
     for i in track(left, "Simulating crossings one by one", len(left), show=progress):
         own = [of[i] for of in many.crossings]
         with many.of_vehicle(i):
-            require_contact(runs[i])
-            one = peaks_of_effects(runs[i], own, many.speeds[[i]], method, progress=False)
+            require_contact(run := many.run(i))
+            one = peaks_of_effects(run, own, many.speeds[[i]], method, progress=False)
         result.factors[:, i], result.places[:, i] = one.factors[:, 0], one.places[:, 0]
         result.least[i], result.flights[i] = one.least[0], one.flights[0]
     return result._replace(times=result.places / many.speeds)

@@ -94,7 +94,8 @@ class Engine:
         found = Found(peaks, places, least, felt, np.zeros(count, dtype=bool))
         if not self.fits:
             return found
-        even = {id(road): self._even(road) for road in roads}
+        each_once = {id(road): road for road in roads}
+        even = {key: self._even(road) for key, road in each_once.items()}
         alike = defaultdict(list)
         for i, vehicle in enumerate(vehicles):
             road = even[id(roads[i])]

@@ -105,9 +105,14 @@ def _coarse(many: Given) -> Iterator[Doubt]:
 
 
 def _starts(many: Given, found: ManyCrossings) -> Iterator[Doubt]:
-    for i, run in enumerate(many.runs):
-        if run.profile is None or found.felt[i] * np.ptp(run.profile.elevation) <= LEFT:
+    known: dict[int, float] = {}
+    for i, road in enumerate(many.roads):
+        if road is None:
             continue
-        text = start_doubt(run, float(many.speeds[i]))
+        if id(road) not in known:
+            known[id(road)] = float(np.ptp(road.elevation))
+        if found.felt[i] * known[id(road)] <= LEFT:
+            continue
+        text = start_doubt(many.run(i), float(many.speeds[i]))
         if text is not None:
             yield Doubt(i, text)
