@@ -285,19 +285,23 @@ def test_a_scheduler_that_is_gone_leaves_a_file_that_goes_on(capsys, tmp_path, m
 
 @pytest.mark.slow
 def test_a_score_that_is_killed_again_and_again_is_that_of_one_run(capsys, tmp_path):
-    kept, told = tmp_path / "score.jsonl", ""
+    kept, told = tmp_path / "score.jsonl", tmp_path / "told"
     command = [sys.executable, "-m", "bridgectl", *TWO, "--resume", str(kept), "--json"]
-    for i, where in enumerate(4 * [("--workers", "2"), ("--scheduler", "local")]):
-        parts = kept.read_bytes().count(b"\n") if i else 0
-        with subprocess.Popen([*command, *where], stdout=subprocess.PIPE, text=True) as process:
-            while process.poll() is None and (
-                not kept.exists() or kept.read_bytes().count(b"\n") <= max(parts, 1)
-            ):
+
+    def lines():
+        return kept.read_bytes().count(b"\n") if kept.exists() else 0
+
+    for where in 3 * [("--workers", "2"), ("--scheduler", "local")]:
+        before = max(lines(), 1)
+        with (
+            told.open("w") as out,  # of a pipe, workers that outlive the program keep an end
+            subprocess.Popen([*command, *where], stdout=out) as process,
+        ):
+            while process.poll() is None and lines() <= before:
                 time.sleep(0.01)
-            if i < 7:
-                process.kill()
-            told = process.communicate()[0]
-    assert told == run_command(capsys, *TWO, "--workers", "1", "--json")[1]
+            process.kill()
+    whole = run_command(capsys, *TWO, "--workers", "1", "--json")[1]
+    assert run_command(capsys, *TWO, "--resume", kept, "--json")[1] == whole
 
 
 # Versions, threads and memory
