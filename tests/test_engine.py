@@ -23,6 +23,7 @@ from bridgectl._shares import Shares, WorkersLostError
 from bridgectl._workers import in_processes
 from bridgectl.dampers import passive, skyhook
 from bridgectl.paper import validation
+from bridgectl.scoring import run as scoring
 from bridgectl.scoring.rows import MEASURES
 
 SEEDS = range(12)
@@ -258,7 +259,7 @@ def test_a_scheduler_without_workers_is_not_waited_for_without_end(monkeypatch):
 @pytest.mark.parametrize("ending", [signal.SIGKILL, pytest.param(
     signal.SIGSTOP, marks=pytest.mark.slow)])  # fmt: skip
 def test_a_scheduler_that_is_gone_leaves_a_file_that_goes_on(capsys, tmp_path, monkeypatch, ending):
-    kept, keep = tmp_path / "score.jsonl", bc.scoring.run.Parts.keep
+    kept, keep = tmp_path / "score.jsonl", scoring.Parts.keep
     monkeypatch.setattr(_dask, "ANSWER", 2.0)
     with cluster_of(1) as (process, address):
 
@@ -266,7 +267,7 @@ def test_a_scheduler_that_is_gone_leaves_a_file_that_goes_on(capsys, tmp_path, m
             keep(*arguments)
             process.send_signal(ending)
 
-        monkeypatch.setattr(bc.scoring.run.Parts, "keep", keep_and_end)
+        monkeypatch.setattr(scoring.Parts, "keep", keep_and_end)
         monkeypatch.setattr(_dask, "LEAST", 2)
         status, out, err = run_command(
             capsys, *TWO, "--scheduler", address, "--resume", kept, "--json"
@@ -278,7 +279,7 @@ def test_a_scheduler_that_is_gone_leaves_a_file_that_goes_on(capsys, tmp_path, m
         "keeps what is done, the same command goes on from there\n", err,
     )  # fmt: skip
     assert 1 < len(kept.read_bytes().splitlines()) < 10
-    monkeypatch.setattr(bc.scoring.run.Parts, "keep", keep)
+    monkeypatch.setattr(scoring.Parts, "keep", keep)
     _, alone, _ = run_command(capsys, *TWO, "--workers", "1", "--json")
     assert run_command(capsys, *TWO, "--workers", "1", "--resume", kept, "--json")[1] == alone
 
