@@ -260,6 +260,10 @@ SLIPS = {
             (0, "workers must be 1 or more"), ("2", "workers must be a whole.*without quotes"),
             (2.5, "workers must be a whole number"),
         ],
+        "scheduler": [
+            (8786, 'scheduler must be the address.*got int: type scheduler="tcp://HOST:8786"'),
+            ("nowhere", "scheduler must be the address of a Dask scheduler, got 'nowhere'"),
+        ],
         "progress": PROGRESS,
     },
     "read_profile": {
