@@ -119,7 +119,7 @@ def assess(
     Examples
     --------
     >>> import bridgectl as bc
-    >>> fleet = bc.Fleet({"T2": 1}, speed={"min": 15, "max": 25}, load={"min": 0.5, "max": 1})
+    >>> fleet = bc.Fleet({"T2A01": 1}, speed={"min": 15, "max": 25}, load={"min": 0.5, "max": 1})
     >>> roads = [bc.iso8608_profile("A", 125, seed=k, start=-100) for k in range(5)]
     >>> found = bc.assess(bc.li2006.beam(), fleet, roads, n=20, workers=1)
     >>> len(found.columns["daf moment"])
