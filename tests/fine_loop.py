@@ -67,11 +67,13 @@ class FineLoop:
         ]
         self.limits = np.array([damper.max_force for damper in self.dampers])
         self.lags = np.array([damper.lag for damper in self.dampers])
+        self.late = np.where(self.lags > 0, self.lags, np.inf) if self.lags.any() else None
         self.tolerance = tolerance
         j = np.arange(1, beam.n_modes + 1)
         self.wave = j * np.pi / beam.length
         self.omega2 = self.wave**4 * beam.flexural_rigidity / beam.mass_per_length
         self.damped = 2 * beam.damping_ratio * np.sqrt(self.omega2[0])
+        self.free = self._free()
         self.end = beam.length + self.parts.behind.max()
         x = np.linspace(0, self.end, 100_001)
         x = np.union1d(x, beam.length / 2 + self.parts.behind)
@@ -79,8 +81,18 @@ class FineLoop:
         self.peak, self.least, self.largest, self.commands = 0.0, 1.0, 0.0, []
         self._run()
 
+    def _free(self):
+        """Rates of all states per state, with neither tire nor damper forces."""
+        parts, n, m = self.parts, len(self.parts.mass), len(self.wave)
+        free = np.zeros((2 * (n + m), 2 * (n + m)))
+        free[:n, n : 2 * n] = np.eye(n)
+        free[n : 2 * n, : 2 * n] = -parts.inverse @ np.hstack([parts.springs, parts.damping])
+        free[2 * n : 2 * n + m, 2 * n + m :] = np.eye(m)
+        free[2 * n + m :, 2 * n :] = np.hstack([-np.diag(self.omega2), -self.damped * np.eye(m)])
+        return free
+
     def _places(self, x):
-        return x - np.multiply.outer(self.parts.behind, np.ones_like(x))
+        return -np.subtract.outer(self.parts.behind, x)
 
     def _line(self, x):
         """Moment at mid-span per tire force, (T, ...)."""
@@ -100,24 +112,22 @@ class FineLoop:
         n, m = len(self.parts.mass), len(self.wave)
         return y[:n], y[n : 2 * n], y[2 * n : 2 * n + m], y[2 * n + m :]
 
-    def _would_be(self, t, y):
+    def _would_be(self, t, y, shapes=None):
         """Tire forces if they could pull [N], (T, ...)."""
         x, parts, (u, _, q, _) = self.speed * t, self.parts, self._split(y)
-        deflection = (self._shapes(x) * np.expand_dims(q, 1)).sum(axis=0)
-        column = (..., *(None,) * (np.ndim(y) - 1))
+        shapes = self._shapes(x) if shapes is None else shapes
+        deflection = (shapes * q[:, None]).sum(axis=0)
+        column = (..., *(None,) * (y.ndim - 1))
         closer = parts.hubs @ u - deflection - self._drop(x)
         return parts.loads[column] + parts.tires[column] * closer
 
-    def _rates(self, t, y, tires, forces):
-        parts, beam, (u, v, q, p) = self.parts, self.beam, self._split(y)
-        modal = 2 / (beam.mass_per_length * beam.length) * (self._shapes(self.speed * t) @ tires)
-        pushing = (
-            parts.springs @ u + parts.damping @ v + parts.legs.T @ forces
-            + parts.hubs.T @ (tires - parts.loads)
-        )  # fmt: skip
-        return np.concatenate(
-            [v, -parts.inverse @ pushing, p, modal - self.damped * p - self.omega2 * q]
-        )
+    def _rates(self, y, tires, forces, shapes):
+        parts, beam, n = self.parts, self.beam, len(self.parts.mass)
+        pushing = parts.legs.T @ forces + parts.hubs.T @ (tires - parts.loads)
+        rates = self.free @ y
+        rates[n : 2 * n] -= parts.inverse @ pushing
+        rates[-len(shapes) :] += 2 / (beam.mass_per_length * beam.length) * (shapes @ tires)
+        return rates
 
     def _moment(self, t, y, tires):
         """Static moment of the tire forces less that of inertia and damping, over the static."""
@@ -149,7 +159,7 @@ class FineLoop:
     def _sample(self, t, y, tires, rates, first):
         parts, (u, v, *_) = self.parts, self._split(y)
         forces = np.clip(self._wanted(self.dampings, y), -self.limits, self.limits)
-        a = self._rates(t, y, tires, forces)[len(u) : 2 * len(u)]
+        a = self._rates(y, tires, forces, self._shapes(self.speed * t))[len(u) : 2 * len(u)]
         rows = zip(parts.bodies, parts.axles, parts.legs, tires, rates, parts.behind, strict=True)
         told = [
             {
@@ -178,8 +188,9 @@ class FineLoop:
         return dampings * (self.parts.legs @ self._split(y)[1])
 
     def _lagging(self, t):
-        late = np.where(self.lags > 0, self.lags, np.inf)
-        fading = np.where(self.lags > 0, np.exp(-(t - self.sampled) / late), 0.0)
+        if self.late is None:
+            return self.command
+        fading = np.where(self.lags > 0, np.exp(-(t - self.sampled) / self.late), 0.0)
         return self.command + (self.dampings - self.command) * fading
 
     def _turn(self, i, sign):
@@ -210,19 +221,23 @@ class FineLoop:
 
         touching = self._would_be(begin, y) > 0
         held = np.sign(wanted(begin, y)) * (np.abs(wanted(begin, y)) > limits)
+        first_step = stop - begin
         while begin < stop:
 
             def rates(t, y, touching=touching, held=held):
-                tires = np.where(touching, self._would_be(t, y), 0.0)
-                at = np.where(held != 0, held, 0) * np.where(held != 0, limits, 0)
-                return self._rates(t, y, tires, np.where(held != 0, at, wanted(t, y)))
+                shapes, forces = self._shapes(self.speed * t), wanted(t, y)
+                tires = np.where(touching, self._would_be(t, y, shapes), 0.0)
+                forces[limited] = np.where(
+                    held[limited] != 0, held[limited] * limits[limited], forces[limited]
+                )
+                return self._rates(y, tires, forces, shapes)
 
             events = [self._turn(i, -1 if on else 1) for i, on in enumerate(touching)]
             events += [self._meet(i, held[i]) for i in limited]
             found = solve_ivp(
                 rates, (begin, stop), y, method="DOP853", rtol=self.tolerance,
                 atol=self.tolerance * 1e-4, events=events, dense_output=True,
-                first_step=min(FIRST_STEP, stop - begin), max_step=MAX_STEP,
+                first_step=min(first_step, stop - begin), max_step=MAX_STEP,
             )  # fmt: skip
             t = np.linspace(begin, found.t[-1], 201)
             states = found.sol(t)
@@ -237,5 +252,5 @@ class FineLoop:
             for i, event in zip(limited, met[len(touching) :], strict=True):
                 if event:
                     held[i] = 0.0 if held[i] else force[i]
-            begin, y = found.t[-1], found.y[:, -1]
+            begin, y, first_step = found.t[-1], found.y[:, -1], FIRST_STEP
         return y

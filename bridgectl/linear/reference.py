@@ -39,8 +39,7 @@ def simulate_reference(
     stepped over. Positions must include the kinks, at which forces are those just after. Returns
     states (n, m) and tire forces (n_tires, m).
     """
-    crossing, system = run.crossing, run.crossing.system(motion, outputs=run.plain)
-    first_force = crossing.output_labels.index("deflection") + 1
+    crossing, system = run.crossing, run.crossing.system(motion, forces_alone=True)
     states = np.zeros((crossing.n_states, len(positions)))
     states[:, 0] = run.initial()
     forces = np.empty((crossing.linear.n_tires, len(positions)))
@@ -62,7 +61,7 @@ def simulate_reference(
         )
         states[:, piece] = response.states[:, ::finer]
         if run.plain:
-            forces[:, piece] = np.asarray(response.outputs)[first_force:][: len(forces)]
+            forces[:, piece] = response.outputs
     return states, forces if run.plain else contact_forces(run, motion, positions, states)
 
 

@@ -274,7 +274,7 @@ class Crossing(Equations):
         )
 
     def system(
-        self, motion: Motion, name: str = "crossing", *, outputs: bool = True
+        self, motion: Motion, name: str = "crossing", *, forces_alone: bool = False
     ) -> control.NonlinearIOSystem:
         """Return the crossing as a control system: see `crossing_system`.
 
@@ -284,8 +284,8 @@ class Crossing(Equations):
             How the vehicle moves.
         name : str, optional
             Name of the system.
-        outputs : bool, optional
-            Whether it has outputs: else they are its states, which is quicker.
+        forces_alone : bool, optional
+            Whether the tire forces are its only outputs, which is quicker.
 
         Returns
         -------
@@ -307,14 +307,16 @@ class Crossing(Equations):
             place, speed, a, road = taken(t, u)
             shapes, rates = self.tire_shapes(place), self.shape_rates(place, speed)
             force = self.contact_forces(x, road, shapes, rates)
+            if forces_alone:
+                return force
             columns = x[:, np.newaxis], force[:, np.newaxis], u[n_roads:, np.newaxis]
             return self.outputs(np.array([place]), *columns, a)[:, 0]
 
         return control.nlsys(
             update,
-            output if outputs else None,
+            output,
             inputs=self.input_labels,
-            outputs=self.output_labels if outputs else self.state_labels,
+            outputs=signals("tire_force", n_tires) if forces_alone else self.output_labels,
             states=self.state_labels,
             name=name,
         )
