@@ -34,6 +34,7 @@ def test_the_spread_is_compared_where_it_is_asked_for():
     assert agreement(-sd, SIMULATED, "spread").tau == pytest.approx(-1)
 
 
+@pytest.mark.slow
 def test_the_interval_holds_tau_as_often_as_it_says():
     """Of 40 samples of 12 roads, the intervals of at least 32 hold the tau of all roads.
 

@@ -9,6 +9,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import bridgectl as bc
+from bridgectl.fleet import levels
 from bridgectl.fleet.comparison import traffic
 from bridgectl.fleet.words import Words
 
@@ -33,6 +34,12 @@ def columns(static, daf, quality="", damped=False, truck=None):
 def table_of(*parts, **told):
     joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return bc.Assessment(joined, {"moment": "N m"}, "a bridge", **(ASKED | told))
+
+
+@pytest.fixture
+def few_draws(monkeypatch):
+    """Intervals of ratios by few samples drawn again, where no one looks at their ends."""
+    monkeypatch.setattr(levels, "N_PAIRS", 50)
 
 
 @pytest.fixture(scope="module")
@@ -97,20 +104,20 @@ def test_the_ratio_is_far_below_the_daf_that_light_trucks_have(one_road):
 
 @pytest.mark.slow
 def test_the_ratio_of_known_distributions_is_within_its_interval():
-    """Exponential static effects with amplifications of their own: 100 years, 100 samples."""
+    """Exponential static effects with amplifications of their own: 100 years, 40 samples."""
     # Of static E and DAF 1.2 for a share of 0.3, else 1.1: z from 0.3 e^(-z/1.2) + ... = 1 / N.
     n = 100 * 250 * 1000
     z = np.linspace(15, 25, 100_001)
     exceeded = 0.3 * np.exp(-z / 1.2) + 0.7 * np.exp(-z / 1.1)
     known = np.interp(-np.log(1 / n), -np.log(exceeded), z) / np.log(n)
     hits = 0
-    for seed in range(100):
+    for seed in range(40):
         rng = np.random.default_rng(seed)
         static = rng.exponential(1.0, 10_000)
         daf = np.where(rng.random(10_000) < 0.3, 1.2, 1.1)
         found = table_of(columns(static, daf)).adr(100)
         hits += found.low <= known <= found.high
-    assert hits >= 95
+    assert hits >= 0.95 * 40
 
 
 def test_the_daf_falls_as_the_static_effect_rises(one_road, traffic_of_trucks):
@@ -351,6 +358,7 @@ def test_a_million_crossings_are_assessed_in_little_memory(tmp_path):
     assert assessment.columns["kind"].codes.itemsize == 1
 
 
+@pytest.mark.usefixtures("few_draws")
 def test_it_shows_itself_and_its_tables(two_roads):
     assert repr(two_roads) == (
         "Assessment(80000 crossings of trucks up to 400 kN, effects=['moment'], "
@@ -403,6 +411,7 @@ def test_the_figure_has_units_and_draws_what_the_methods_tell(two_roads, options
     FigureCanvasAgg(figure).draw()
 
 
+@pytest.mark.usefixtures("few_draws")
 def test_what_has_no_fit_can_be_drawn(traffic_of_trucks):
     """Identical trucks, hogging effects of a short return period, small lengths, other units."""
     static, daf = traffic_of_trucks

@@ -8,11 +8,18 @@ import pytest
 from helpers import run_command
 
 import bridgectl as bc
+from bridgectl.fleet import levels
 
 QUICK = ["--approach", "20", "--workers", "1", "--random", "2"]
 SMALL = [*QUICK, "--trucks", "12", "--classes", "A"]
 
 pytestmark = pytest.mark.filterwarnings("default")  # they go to standard error
+
+
+@pytest.fixture(autouse=True)
+def few_draws(monkeypatch):
+    """Intervals of ratios by few samples drawn again, where no one looks at their ends."""
+    monkeypatch.setattr(levels, "N_PAIRS", 50)
 
 
 def run(capsys, *arguments):

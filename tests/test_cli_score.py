@@ -251,6 +251,7 @@ def test_help_lists_the_command_and_the_library(capsys, bridge, truck):
 # Trucks
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:start = :bridgectl.PlausibilityWarning")  # stiff springs
 def test_a_truck_is_scored_with_the_laws_at_every_leg(capsys):
     """Its own damping, that of both axles, is not among the constant ones beside it."""

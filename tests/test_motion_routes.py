@@ -121,11 +121,6 @@ def compared(seed: int) -> None:
 
 
 @pytest.mark.slow
-def test_both_routes_agree_on_a_random_truck():
-    compared(7)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_both_routes_agree_on_20_random_trucks_motions_and_bridges(seed):
     compared(seed)

@@ -53,6 +53,7 @@ def test_the_optimum_beats_all_other_dampers(bridge, half, road, best):
     assert best.passive_daf == pytest.approx(own, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_one_damper_alone_does_less(bridge, half, road, best):
     """Of a vehicle in which only the front, or only the rear, can be controlled."""
     for leg in (0, 1):
@@ -84,10 +85,11 @@ def test_the_daf_is_that_of_the_closed_loop_with_a_program_at_each_leg(bridge, h
     assert f"{best.damping.size} dampings" in repr(best)
 
 
-def test_no_small_change_of_the_dampings_lowers_the_peak(bridge, half, road, best):
-    """Fifty random changes by 3 kN s/m within the bounds: none is 0.0005 lower."""
+@pytest.mark.parametrize("count", [5, pytest.param(50, marks=pytest.mark.slow)])
+def test_no_small_change_of_the_dampings_lowers_the_peak(bridge, half, road, best, count):
+    """Random changes by 3 kN s/m within the bounds: none is 0.0005 lower."""
     rng = np.random.default_rng(0)
-    for _ in range(50):
+    for _ in range(count):
         other = np.clip(best.damping + rng.normal(0, 3e3, best.damping.shape), SOFT, STIFF)
         law = dataclasses.replace(best, damping=other).damper
         daf = simulate_loop(bridge, half, law, SPEED, road.x, road.elevation).daf[0, 0]

@@ -122,6 +122,7 @@ def test_late_signals_of_another_leg_are_late(bridge, vehicle, road):
         measured(plain, Sensors.accelerometers())
 
 
+@pytest.mark.slow
 def test_blocks_of_laws_of_other_legs_are_the_loop(bridge, vehicle):
     """Interconnected with a crossing; the loop sampled 20 times as often: DAF within 2e-4."""
     law = Strategy(

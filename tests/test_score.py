@@ -83,11 +83,15 @@ def test_every_measure_is_that_of_the_recorded_histories(bridge, truck, roads, b
     assert board.fourth_power_95[1, 2] == pytest.approx(np.percentile(mean, 95), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_damper_counts_and_not_the_strategy_alone(roads, board):
     law = STRATEGIES[1]
     slow = scored(roads, [Damper(law, lag=0.05), Damper(law.renamed("limited"), max_force=300.0)])
     for values in slow.values["daf"]:
         assert not np.allclose(values, board.values["daf"][1], atol=1e-4)
+
+
+def test_the_force_limit_of_a_constant_damper_counts(roads, board):
     constant = scored(roads, [Damper(STRATEGIES[0], max_force=300.0)])
     assert not np.allclose(constant.values["daf"], board.values["daf"][0], atol=1e-4)
     # Unit ramps are too low for the limit: the DAE does not know of it.

@@ -44,15 +44,17 @@ def test_the_height_of_a_class_is_that_of_one_ramp_for_all(bridge, truck):
         assert found.ramp_height == pytest.approx(sigma * np.sqrt(850), rel=1e-3)
 
 
-def test_a_drop_and_a_rise_are_that_road_simulated(surface, bridge, truck):
+@pytest.mark.parametrize(
+    ("ramp", "sign"), [(160, 1), (230, -1), pytest.param(60, -1, marks=pytest.mark.slow)]
+)
+def test_a_drop_and_a_rise_are_that_road_simulated(surface, bridge, truck, ramp, sign):
     """By the control library, within 1e-4 of the static moment."""
-    for ramp, sign in ((160, 1), (230, -1), (60, -1)):
-        drops = np.zeros(len(surface.positions))
-        drops[ramp] = sign * surface.ramp_height
-        road = surface.road(drops)
-        expected = bc.daf(bridge, truck, SPEEDS, road, start=-20, method="control")
-        found = surface.daf_unit if sign > 0 else surface.daf_rise
-        assert found[:, ramp] == pytest.approx(expected, abs=1e-4)
+    drops = np.zeros(len(surface.positions))
+    drops[ramp] = sign * surface.ramp_height
+    road = surface.road(drops)
+    expected = bc.daf(bridge, truck, SPEEDS, road, start=-20, method="control")
+    found = surface.daf_unit if sign > 0 else surface.daf_rise
+    assert found[:, ramp] == pytest.approx(expected, abs=1e-4)
 
 
 def ramp_of_a_law(name, seed):
@@ -255,11 +257,11 @@ def test_a_class_tells_the_bridgehook_from_the_passive_damper_as_simulation_does
 @pytest.mark.slow
 @pytest.mark.parametrize(("iso_class", "least"), [("A", 0.80), ("B", 0.85)])
 def test_the_mean_over_a_class_ranks_dampers_as_simulation_does(bridge, truck, iso_class, least):
-    """Of 23 strategies, on 60 roads and their mirror images at 13 speeds of 60 to 120 km/h:
+    """Of 23 strategies, on 60 roads and their mirror images at 7 speeds of 60 to 120 km/h:
     Kendall's tau is 0.82 (A) and 0.89 (B), and at least 97 of 100 pairs whose mean DAFs are more
     than 0.005 apart are in the right order.
     """
-    speeds, x = np.linspace(60, 120, 13) / 3.6, -60 + 0.1 * np.arange(851)
+    speeds, x = np.linspace(60, 120, 7) / 3.6, -60 + 0.1 * np.arange(851)
     roads = iso8608_elevations(60, iso_class, 85, seed=77)
     roads = np.vstack([roads, -roads])
     strategies = [

@@ -147,6 +147,7 @@ def nominal():
     )
 
 
+@pytest.mark.slow
 def test_a_kalman_filter_errs_as_its_covariance_says():
     """On eight roads of class A, with its own noise and damping: within 8 % of the standard
     deviations of tire force and axle velocity that the Riccati equation gives, 1.7 kN and 15 mm/s,

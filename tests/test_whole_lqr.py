@@ -122,14 +122,18 @@ def test_the_command_is_the_force_over_the_velocity_within_bounds():
     assert 0.1 < inside.mean() < 0.9
 
 
-@pytest.mark.parametrize(("truck", "seed"), [(half_car, 4), (five_axles, 1)])
+@pytest.mark.parametrize(
+    ("truck", "seed"), [(half_car, 4), pytest.param(five_axles, 1, marks=pytest.mark.slow)]
+)
 def test_the_closed_loop_is_its_fine_integration(truck, seed):
     """DAF within 2e-5, with lags and force limits."""
     found, fine, _ = compare(seed, truck, "clipped LQR")
     assert found.daf[0, 0] == pytest.approx(fine.peak, abs=2e-5)
 
 
-@pytest.mark.parametrize(("truck", "share"), [(half_car, 0.8), (five_axles, 0.95)])
+@pytest.mark.parametrize(
+    ("truck", "share"), [(half_car, 0.8), pytest.param(five_axles, 0.95, marks=pytest.mark.slow)]
+)
 def test_on_a_rough_road_it_costs_less_than_any_constant_dampers(bridge, truck, share):
     """J over ten roads of class B; of a half-car less than with the laws of quarter-cars, too."""
     given_ = () if truck is five_axles else (3e4,)
