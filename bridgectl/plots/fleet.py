@@ -18,6 +18,9 @@ N_POINTS = 4000
 N_HEAVY = 200
 """Of these the ones of the largest effects, all of which are drawn."""
 
+FAR = 3.0
+"""Intervals are drawn up to so many times the largest value: their ends stand in the legend."""
+
 N_LEVELS = 7
 """Return periods at which the interval is drawn."""
 
@@ -47,6 +50,8 @@ def fleet_figure(read: ReadShown) -> Figure:
         _draw_excesses(axes[1, 2], reading, size, name)
         if reading.tail is not None and reading.tail.scale > 0:
             _draw_quantiles(axes[1, 1], reading.tail, size, name)
+    farthest = FAR * max(reading.value for reading in readings.values()) / size
+    axes[1, 0].set_ylim(top=min(farthest, axes[1, 0].get_ylim()[1]))
     axes[1, 0].set(xscale="log", xlabel="return period [years]", ylabel=label,
                    title="return levels, with 95 % interval")  # fmt: skip
     axes[1, 1].set(xlabel=f"quantiles of the fit [{unit}]", ylabel=f"peaks [{unit}]",
