@@ -320,7 +320,7 @@ def test_the_table_goes_to_pandas_parquet_and_csv_and_back(two_roads, tmp_path):
     two_roads.to_parquet(tmp_path / "crossings.parquet")
     pd.testing.assert_frame_equal(pd.read_parquet(tmp_path / "crossings.parquet"), table)
     two_roads.to_csv(tmp_path / "crossings.csv")
-    read = pd.read_csv(tmp_path / "crossings.csv")
+    read = pd.read_csv(tmp_path / "crossings.csv", float_precision="round_trip")
     assert {"speed [m/s]", "static moment [N m]", "daf moment", "time moment [s]"} <= set(read)
     assert np.array_equal(read["total moment [N m]"], table["total moment"])
     assert list(read["quality"]) == list(table["quality"])

@@ -32,7 +32,7 @@ def test_it_prints_what_the_library_finds(capsys, tmp_path):
     assert (status, err) == (0, "")
     for words in ("12 crossings of 12 trucks", "mean", "DAF", "moment   A", f"Table: {table}"):
         assert words in out
-    rows = pd.read_csv(table)
+    rows = pd.read_csv(table, float_precision="round_trip")
     fleet = bc.Fleet.load("air_sprung")
     assert rows["speed [m/s]"].tolist() == [fleet.passing(i).speed for i in range(12)]
     assert rows["road"].isin(["class A, 1", "class A, 2"]).all()

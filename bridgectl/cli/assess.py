@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ from bridgectl._version import __version__
 from bridgectl.cli import bridges, options, roads
 from bridgectl.cli.effects import asked_effects
 from bridgectl.fleet.assessment import QUANTITIES, SHARES
+from bridgectl.fleet.study import checked_share
 from bridgectl.fleet.tails import METHODS, Estimate
 from bridgectl.model.bridge import BridgeModel
 
@@ -105,6 +107,7 @@ def run_assess(args: argparse.Namespace) -> None:
     options.check_work(args)
     _check_table(args.table)
     _check_period(args)
+    _check_traffic(args)
     bridge, fleet = bridges.make_bridge(args), _fleet(args)
     asked = asked_effects(args, bridge, fleet.passing(0).vehicle)
     with options.resumed(args.resume):
@@ -206,6 +209,15 @@ def _check_period(args: argparse.Namespace) -> None:
         check.positive("--trucks-a-day", args.trucks_a_day)
 
 
+def _check_traffic(args: argparse.Namespace) -> None:
+    """Check what the trucks do and have."""
+    check.not_negative("--meeting", args.meeting, unit="1/h")
+    checked_share("--lane-factor", args.lane_factor)
+    checked_share("--damper-share", args.damper_share)
+    if args.damper is not None and args.meeting:
+        raise ValueError("--damper and --meeting exclude each other: dampers go with one truck")
+
+
 def _check_table(path: Path | None) -> None:
     if path is not None and path.suffix.lower() not in (".csv", ".parquet"):
         raise ValueError(f"--table must end in .csv or .parquet, got {str(path)!r}")
@@ -221,9 +233,12 @@ def _fleet(args: argparse.Namespace) -> bc.Fleet:
     if args.fleet is not None:
         raise ValueError("--fleet and --weighed exclude each other: leave one out")
     bad = "leave out" if args.leave_out_bad else "error"
-    return bc.Fleet.from_table(
-        args.weighed, units=_units(args.weighed_units), bad=bad, seed=args.seed
-    )
+    units = _units(args.weighed_units)
+    try:
+        return bc.Fleet.from_table(args.weighed, units=units, bad=bad, seed=args.seed)
+    except ValueError as error:  # what to type there is for Python
+        text = re.sub(r'units=\{"(\w+)": "([^"]+)"\}', r"--weighed-units \1=\2", str(error))
+        raise ValueError(text.replace('bad="leave out"', "--leave-out-bad")) from None
 
 
 def _units(text: str | None) -> dict[str, str] | None:

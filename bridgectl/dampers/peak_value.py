@@ -59,7 +59,7 @@ from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing, require_factor
 from bridgectl.model.effect import Effect
 from bridgectl.model.motion import Motion
-from bridgectl.model.quarter_car import QuarterCar
+from bridgectl.model.quarter_car import QuarterCar, require_springs
 from bridgectl.model.vehicle import Vehicle
 
 SHARPNESS = 10.0
@@ -139,6 +139,7 @@ def peak_values(
     beta = check.positive("sharpness", sharpness)
     curvature = (stiff - soft) / 2 / check.positive("yield_speed", yield_speed, unit="m/s")
     require_dampers(vehicle)
+    require_springs(vehicle, "bridgehook")
     car = with_damping(vehicle, (soft + stiff) / 2)
     crossing, c = make_crossing(beam, car, effect, section), Motion(speed).speed
     require_factor(crossing)

@@ -134,16 +134,17 @@ def assess(
         "trucks_a_day", trucks_a_day
     )  # fmt: skip
     check.flag("progress", progress)
-    _require_feasible(study, count, announced=not shows(progress))
+    _require_feasible(study, count, announced=False)
     shares = study.shares(count)
     expected = {_name(own): shapes(study, own) for own in shares}
     with Parts(resume, study.header(names), expected, FILE, in_memory=resume is None) as parts:
         todo = [own for own in shares if _name(own) not in parts]
+        left = sum(map(len, todo))
+        _require_feasible(study, left, announced=not shows(progress))
         jobs = ((study.share(own),) for own in todo)
         with closing(in_processes(simulate_share, jobs, workers, scheduler)) as found:
-            done = count - sum(map(len, todo))
             for index, part in track(
-                found, "Crossings", count, show=progress, before=done, unit="crossings",
+                found, "Crossings", count, show=progress, before=count - left, unit="crossings",
                 weight=lambda result: len(todo[result[0]]),
             ):  # fmt: skip
                 parts.keep(*_name(todo[index]), part)

@@ -33,11 +33,8 @@ class Gathered:
         qualities = np.repeat(np.tile(np.arange(count, dtype=np.int16), 2), self._repeats)
         self.columns["quality"] = qualities, tuple(study.roads)
         self.columns["kind"] = np.zeros(size, np.int16), study.kinds
-        roads = tuple(
-            f"{quality} {number + 1}".strip() if road is None or not road.name else road.name
-            for quality, own in study.roads.items() for number, road in own.items()
-        )  # fmt: skip
-        self.columns["road"] = np.zeros(size, np.int32), roads
+        names = [name for quality in study.roads for name in _names(study, quality)]
+        self.columns["road"] = np.zeros(size, np.int32), tuple(names)
 
     @property
     def _repeats(self) -> list[int]:
@@ -92,3 +89,12 @@ class Gathered:
         values = static, static * factors, factors, part["places"][which], part["times"][which]
         for of, value in zip(OF_EFFECT, values, strict=True):
             self.columns[f"{of} {name}"][rows] = value
+
+
+def _names(study: Study, quality: str) -> list[str]:
+    """Names of the roads of a quality, with numbers where several have one name."""
+    roads = study.roads[quality]
+    names = [quality if road is None else road.name for road in roads.values()]
+    if len(set(names)) == len(names):
+        return names
+    return [f"{name} {number + 1}".strip() for number, name in enumerate(names)]

@@ -18,6 +18,9 @@ N_POINTS = 4000
 N_HEAVY = 200
 """Of these the ones of the largest effects, all of which are drawn."""
 
+FAR = 3.0
+"""Intervals are drawn up to so many times the largest value: their ends stand in the legend."""
+
 N_LEVELS = 7
 """Return periods at which the interval is drawn."""
 
@@ -47,6 +50,7 @@ def fleet_figure(read: ReadShown) -> Figure:
         _draw_excesses(axes[1, 2], reading, size, name)
         if reading.tail is not None and reading.tail.scale > 0:
             _draw_quantiles(axes[1, 1], reading.tail, size, name)
+    _cut(axes[1, 0], FAR * max(reading.value for reading in readings.values()) / size)
     axes[1, 0].set(xscale="log", xlabel="return period [years]", ylabel=label,
                    title="return levels, with 95 % interval")  # fmt: skip
     axes[1, 1].set(xlabel=f"quantiles of the fit [{unit}]", ylabel=f"peaks [{unit}]",
@@ -111,6 +115,13 @@ def _draw_levels(ax: Axes, read: ReadShown, reading: ReadingShown, size: float, 
     reach = [[value - low], [high - value]] if np.isfinite([low, high]).all() else None
     ax.errorbar(rule.return_period, value, reach, fmt="o", color=color, capsize=3,
                 label=f"{name}: {value:.4g} ({low:.4g} to {high:.4g})")  # fmt: skip
+
+
+def _cut(ax: Axes, farthest: float) -> None:
+    """Let an axis end where intervals become too wide to be drawn with the rest."""
+    low, high = ax.dataLim.intervaly
+    if high > farthest:
+        ax.set_ylim(low - 0.05 * (farthest - low), farthest)
 
 
 def _draw_quantiles(ax: Axes, tail: TailShown, size: float, name: str) -> None:
