@@ -39,7 +39,8 @@ def simulate_reference(
     stepped over. Positions must include the kinks, at which forces are those just after. Returns
     states (n, m) and tire forces (n_tires, m).
     """
-    crossing, system = run.crossing, run.crossing.system(motion, forces_alone=True)
+    crossing = run.crossing
+    system = crossing.system(motion, outputs="forces" if run.plain else "states")
     states = np.zeros((crossing.n_states, len(positions)))
     states[:, 0] = run.initial()
     forces = np.empty((crossing.linear.n_tires, len(positions)))

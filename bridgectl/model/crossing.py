@@ -274,7 +274,7 @@ class Crossing(Equations):
         )
 
     def system(
-        self, motion: Motion, name: str = "crossing", *, forces_alone: bool = False
+        self, motion: Motion, name: str = "crossing", *, outputs: str = "all"
     ) -> control.NonlinearIOSystem:
         """Return the crossing as a control system: see `crossing_system`.
 
@@ -284,8 +284,8 @@ class Crossing(Equations):
             How the vehicle moves.
         name : str, optional
             Name of the system.
-        forces_alone : bool, optional
-            Whether the tire forces are its only outputs, which is quicker.
+        outputs : {'all', 'forces', 'states'}, optional
+            The tire forces alone are quicker, and the states more so.
 
         Returns
         -------
@@ -293,6 +293,8 @@ class Crossing(Equations):
         """
         lags, n_tires = self.linear.tire_lags, self.linear.n_tires
         n_roads = len(road_signals(self.linear))
+        labels = {"all": self.output_labels, "forces": signals("tire_force", n_tires),
+                  "states": self.state_labels}  # fmt: skip
 
         def taken(t: float, u: FloatArray) -> tuple[float, float, float, FloatArray]:
             place = motion.position(t)
@@ -307,16 +309,16 @@ class Crossing(Equations):
             place, speed, a, road = taken(t, u)
             shapes, rates = self.tire_shapes(place), self.shape_rates(place, speed)
             force = self.contact_forces(x, road, shapes, rates)
-            if forces_alone:
+            if outputs == "forces":
                 return force
             columns = x[:, np.newaxis], force[:, np.newaxis], u[n_roads:, np.newaxis]
             return self.outputs(np.array([place]), *columns, a)[:, 0]
 
         return control.nlsys(
             update,
-            output,
+            None if outputs == "states" else output,
             inputs=self.input_labels,
-            outputs=signals("tire_force", n_tires) if forces_alone else self.output_labels,
+            outputs=labels[outputs],
             states=self.state_labels,
             name=name,
         )
