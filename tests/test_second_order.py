@@ -257,11 +257,11 @@ def test_a_class_tells_the_bridgehook_from_the_passive_damper_as_simulation_does
 @pytest.mark.slow
 @pytest.mark.parametrize(("iso_class", "least"), [("A", 0.80), ("B", 0.85)])
 def test_the_mean_over_a_class_ranks_dampers_as_simulation_does(bridge, truck, iso_class, least):
-    """Of 23 strategies, on 60 roads and their mirror images at 7 speeds of 60 to 120 km/h:
-    Kendall's tau is 0.83 (A) and 0.90 (B), and at least 97 of 100 pairs whose mean DAFs are more
+    """Of 23 strategies, on 60 roads and their mirror images at 13 speeds of 60 to 120 km/h:
+    Kendall's tau is 0.82 (A) and 0.89 (B), and at least 97 of 100 pairs whose mean DAFs are more
     than 0.005 apart are in the right order.
     """
-    speeds, x = np.linspace(60, 120, 7) / 3.6, -60 + 0.1 * np.arange(851)
+    speeds, x = np.linspace(60, 120, 13) / 3.6, -60 + 0.1 * np.arange(851)
     roads = iso8608_elevations(60, iso_class, 85, seed=77)
     roads = np.vstack([roads, -roads])
     strategies = [
