@@ -1,9 +1,9 @@
 """`bridgectl assess`: options, tables, files and errors."""
 
+import csv
 import json
 
 import numpy as np
-import pandas as pd
 import pytest
 from helpers import run_command
 
@@ -32,10 +32,13 @@ def test_it_prints_what_the_library_finds(capsys, tmp_path):
     assert (status, err) == (0, "")
     for words in ("12 crossings of 12 trucks", "mean", "DAF", "moment   A", f"Table: {table}"):
         assert words in out
-    rows = pd.read_csv(table, float_precision="round_trip")
+    with open(table, encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
     fleet = bc.Fleet.load("air_sprung")
-    assert rows["speed [m/s]"].tolist() == [fleet.passing(i).speed for i in range(12)]
-    assert rows["road"].isin(["class A, 1", "class A, 2"]).all()
+    assert [float(row["speed [m/s]"]) for row in rows] == [
+        fleet.passing(i).speed for i in range(12)
+    ]
+    assert {row["road"] for row in rows} == {"class A, 1", "class A, 2"}
 
 
 def test_json_has_values_with_intervals_by_effect_and_quality(capsys):
