@@ -271,7 +271,7 @@ def test_a_study_killed_20_times_ends_as_if_it_never_was(tmp_path):
     rng = np.random.default_rng(1)
     while kills < 20:
         process = start("killed")
-        time.sleep(rng.uniform(1.5, 2.5))
+        time.sleep(rng.uniform(1.2, 2.0))
         if process.poll() is None:
             kills += 1
             os.killpg(process.pid, signal.SIGKILL)
