@@ -36,6 +36,12 @@ IDLE = 60.0
 DEATHS = 3
 """Workers that a share takes with it until Dask gives it back."""
 
+KEPT = {
+    f"distributed.nanny.pre-spawn-environ.MALLOC_{name}_THRESHOLD_": size
+    for name, size in (("TRIM", 2**27), ("MMAP", 2**25))
+}
+"""Free memory [bytes] that workers keep: by Dask's 64 kB, arrays of some MB take twice the time."""
+
 LOOK = 1.0
 """Time between looks at the scheduler [s]."""
 
@@ -91,11 +97,12 @@ def _connected(scheduler: str, workers: int) -> Iterator[Any]:
 
 @contextmanager
 def _local(workers: int) -> Iterator[Any]:
+    import dask
     from distributed import Client, LocalCluster
 
     cluster = None
     try:
-        with deaf_to_ctrl_c():
+        with deaf_to_ctrl_c(), dask.config.set(KEPT):
             cluster = LocalCluster(
                 n_workers=workers, threads_per_worker=1, memory_limit=None, dashboard_address=":0",
                 silence_logs=logging.CRITICAL,
