@@ -124,8 +124,8 @@ def judge_crossing(
     force = crossing.linear.frequencies[0] <= MOVING_FORCE
     if asker() == "user" and not force:  # the command line judges speeds in its own unit
         name, fastest = "speed" if np.ndim(speeds) == 0 else "speeds", float(np.max(speeds))
-        _tell(speed_doubts(name, fastest, f"for {fastest:.4g} km/h type {fastest:.4g} / 3.6"))
-    _tell(load_doubts(crossing))
+        judge_speed(name, fastest)
+    judge_load(crossing)
     judge_roads(*roads)
 
 

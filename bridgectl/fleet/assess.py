@@ -189,14 +189,14 @@ def _study(
     known = checked_roads(roads, -before, last)
     every = [road for own in known.values() for road in own.values() if road is not None]
     judge_crossing(next(iter(crossings.values())), np.array([first.speed]), *every)
-    if damper is not None:
-        own = damper(bridge, first.vehicle) if callable(damper) else damper
-        judge_range(first.vehicle, fitted(own, first.vehicle))
     own_effects = tuple(crossing.effect for crossing in crossings.values())
-    return Study(
+    study = Study(
         bridge, fleet, fleet.kinds, known, own_effects, before,
         check.integer("seed", seed, at_least=0), damper, share, rate, factor,
-    ), list(crossings)  # fmt: skip
+    )  # fmt: skip
+    if damper is not None:
+        judge_range(first.vehicle, fitted(study.damper_of(first.vehicle), first.vehicle))
+    return study, list(crossings)
 
 
 def _named(effects: Any) -> dict[str, Effect | str]:
