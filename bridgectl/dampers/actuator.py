@@ -48,6 +48,11 @@ class Damper:
     acceleration_noise, travel_noise : float, optional
         Standard deviations of white noise on the measured accelerations [m/s^2] and on the
         suspension travel [m].
+    preview_noise : float, optional
+        Standard deviation of white noise on each elevation that is seen ahead [m], of every sample.
+    preview_delay : float, optional
+        How old what is seen ahead is [s]: elevations are those that were ahead, and less that which
+        was under the tire, so long ago. The strategy does not know.
 
     Raises
     ------
@@ -65,7 +70,8 @@ class Damper:
     >>> Damper(skyhook(1e3, 30e3), lag=0.01, max_force=15e3)
     Damper(Strategy('skyhook', c from 1000 to 30000 N s/m, dead_band=0.0001), sample_time=0.002 s, \
 lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0, \
-position_error=0 m, position_deviation=0 m, acceleration_noise=0 m/s^2, travel_noise=0 m)
+position_error=0 m, position_deviation=0 m, acceleration_noise=0 m/s^2, travel_noise=0 m, \
+preview_noise=0 m, preview_delay=0 s)
     """
 
     strategy: Strategy
@@ -78,6 +84,8 @@ position_error=0 m, position_deviation=0 m, acceleration_noise=0 m/s^2, travel_n
     position_deviation: float = 0.0
     acceleration_noise: float = 0.0
     travel_noise: float = 0.0
+    preview_noise: float = 0.0
+    preview_delay: float = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.strategy, Strategy):
@@ -96,6 +104,8 @@ position_error=0 m, position_deviation=0 m, acceleration_noise=0 m/s^2, travel_n
         check.not_negative("position_deviation", self.position_deviation, unit="m")
         check.not_negative("acceleration_noise", self.acceleration_noise, unit="m/s^2")
         check.not_negative("travel_noise", self.travel_noise, unit="m")
+        check.not_negative("preview_noise", self.preview_noise, unit="m")
+        check.not_negative("preview_delay", self.preview_delay, unit="s")
         judge_damper(self)
 
     @property
@@ -103,7 +113,7 @@ position_error=0 m, position_deviation=0 m, acceleration_noise=0 m/s^2, travel_n
         """Whether what is measured has random errors, other ones in each crossing."""
         return any((
             self.velocity_noise, self.acceleration_noise, self.travel_noise,
-            self.position_deviation,
+            self.position_deviation, self.preview_noise,
         ))  # fmt: skip
 
     @property
@@ -126,7 +136,8 @@ position_error=0 m, position_deviation=0 m, acceleration_noise=0 m/s^2, travel_n
             f"seed={self.seed}, position_error={self.position_error:g} m, "
             f"position_deviation={self.position_deviation:g} m, "
             f"acceleration_noise={self.acceleration_noise:g} m/s^2, "
-            f"travel_noise={self.travel_noise:g} m)"
+            f"travel_noise={self.travel_noise:g} m, preview_noise={self.preview_noise:g} m, "
+            f"preview_delay={self.preview_delay:g} s)"
         )
 
 

@@ -127,29 +127,31 @@ lag=0 s, position_deviation=0 m)
         return other
 
     def _made(self, speed: float) -> Strategy:
-        case = self.beam, self.vehicle, speed
         if not self.feedback:
-            simple = costate(*case, effect=self.effect, leg=self.leg)
+            simple = costate(self.beam, self.vehicle, speed, effect=self.effect, leg=self.leg)
             return _costate_law(Costate(*_blurred(simple, self.position_deviation)), self)
+        return _feedback_law(self._worth(speed), self)
+
+    def _worth(self, speed: float) -> PeakValue:
+        """What a force is worth, in the mean over the places where the tire may be."""
         if speed not in self.worths:  # those of all legs come together
-            bounds = self.c_min, self.c_max
-            self.worths[speed] = peak_values(*case, *bounds, effect=self.effect, reach=REACH)
-        found = self.worths[speed][self.leg - 1]
-        return _feedback_law(PeakValue(*_blurred(found, self.position_deviation)), self)
+            case = self.beam, self.vehicle, speed, self.c_min, self.c_max
+            self.worths[speed] = peak_values(*case, effect=self.effect, reach=REACH)
+        return PeakValue(*_blurred(self.worths[speed][self.leg - 1], self.position_deviation))
 
     def command(self, **signals: ArrayLike) -> FloatArray:
         """Evaluate the command [N s/m] at one speed, one of the signals: see `Strategy.command`."""
         speed: Any = signals.get("speed", ())
         if np.ndim(speed) != 0:
             raise ValueError(
-                "bridgehook has a law for each speed: type for example command(speed=25.0, ...)"
+                f"{self.name} has a law for each speed: type for example command(speed=25.0, ...)"
             )
         return self.for_speed(speed).command(**signals)
 
     def to_c(self, path: str | Path) -> Path:
         """Refuse: a C file holds the law of one speed, ``bridgehook(...).for_speed(25.0)``."""
         raise ValueError(
-            "bridgehook has a law for each speed: type for example law.for_speed(25.0).to_c(path)"
+            f"{self.name} has a law for each speed: type for example law.for_speed(25.0).to_c(path)"
         )
 
     @property

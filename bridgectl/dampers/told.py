@@ -25,4 +25,5 @@ def _told(damper: Damper, speeds: FloatArray) -> list[Any]:
         [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
         [damper.position_error, damper.position_deviation],
         [damper.acceleration_noise, damper.travel_noise],
+        *([seeing] if any(seeing := [damper.preview_noise, damper.preview_delay]) else []),
     ]

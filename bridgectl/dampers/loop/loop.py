@@ -94,7 +94,8 @@ class Loop:
             )
             law = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
             roads = stations, self.drops, crossing.beam.length
-            errors = Errors(damper, self.plan, speeds, *roads, dampers.legs[leg])
+            n_ahead = law.preview.shape[1]
+            errors = Errors(damper, self.plan, speeds, *roads, dampers.legs[leg], n_ahead)
             if not damper.position_deviation:  # else each road has places of its own
                 places = self.plan.edges[..., 0] - self.legs.offsets[leg] + errors.places
                 law.foresee(places, speeds)
@@ -203,7 +204,7 @@ class Loop:
         ):
             others = {name: told[of][signal] for name, signal, of in self.others[leg]}
             memory = now.memory[:, slice(*self.of_memory[leg : leg + 2])]
-            ahead = self._ahead(k, now.peak.shape, leg)
+            ahead = self.errors[leg].ahead(k, self._ahead(k, now.peak.shape, leg))
             wanted, memory[:] = controller.command({**told[leg], **others}, memory, ahead, k)
             command = now.command[:, leg]
             switched = (wanted > self.middle[leg]) != (command > self.middle[leg])
@@ -242,11 +243,15 @@ class Loop:
         }  # fmt: skip
 
     def _ahead(self, k: int, shape: tuple[int, ...], leg: int) -> FloatArray:
-        """Elevations ahead less that under the tire [m], (S, n, R): drops are positive down."""
+        """Elevations ahead less that under the tire [m], (S, n, R): drops are positive down.
+
+        Where the tire was when they were seen.
+        """
         distances, x = self.controllers[leg].preview, self.stepper.stations
         if distances.shape[1] == 0:
             return np.zeros((shape[0], 0, shape[1]))
         tire = self.plan.edges[: shape[0], k, :1] - self.legs.offsets[leg]
+        tire = tire - self.errors[leg].delay * self.speeds[: shape[0], np.newaxis]
         places = np.concatenate([tire, tire + distances[: shape[0]]], axis=1)
         piece = np.clip(np.searchsorted(x, places, side="right") - 1, 0, x.size - 2)
         share = np.clip((places - x[piece]) / (x[piece + 1] - x[piece]), 0.0, 1.0)  # level beyond
