@@ -23,7 +23,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_lyapunov
 
 from bridgectl import _checks as check
@@ -65,10 +64,13 @@ class SideCost(NamedTuple):
     drops: FloatArray
     """H, shape (K, T) [1/m]."""
 
-    def rate(self, states: ArrayLike, forces: ArrayLike, drops: ArrayLike = 0.0) -> FloatArray:
+    def rate(
+        self, states: FloatArray, forces: FloatArray, drops: FloatArray | None = None
+    ) -> FloatArray:
         """Return the square: of arrays (..., n), (..., D) and (..., T) one of shape (...)."""
-        under = np.broadcast_to(drops, (*np.shape(drops)[:-1], self.drops.shape[1]))
-        parts = states @ self.states.T + forces @ self.forces.T + under @ self.drops.T
+        parts = states @ self.states.T + forces @ self.forces.T
+        if drops is not None:
+            parts = parts + drops @ self.drops.T
         return np.asarray((parts**2).sum(axis=-1))
 
     def with_dampings(self, vehicle: Vehicle, dampings: FloatArray) -> FloatArray:
@@ -79,10 +81,12 @@ class SideCost(NamedTuple):
 def side_cost(vehicle: Vehicle | QuarterCar, weights: Weights) -> SideCost:
     """Return the square of a vehicle whose controlled dampers give nothing but the forces F.
 
+    >>> import numpy as np
     >>> import bridgectl as bc
     >>> from bridgectl.dampers.weights import Weights, side_cost
     >>> cost = side_cost(bc.li2006.car(), Weights(ride=1.0, travel=0.5))
-    >>> print(cost.rate([0.01, 0, 0, 0], [0.0]).round(3))  # (80 kN/m x 10 mm / 9 t)^2 + 0.5
+    >>> sunk = np.array([0.01, 0, 0, 0])  # (80 kN/m x 10 mm / 9 t)^2 + 0.5
+    >>> print(cost.rate(sunk, np.zeros(1)).round(3))
     0.508
     """
     free = vehicle.linear.undamped
