@@ -148,16 +148,10 @@ lag=0 s, position_deviation=0 m)
                 beside=self.weights,
             )  # fmt: skip
         found = self.worths[speed][self.leg - 1]
-        square = self._square(speed)
-        return _feedback_law(PeakValue(*_blurred(found, self.position_deviation)), self, square)
-
-    def _square(self, speed: float) -> float:
-        """What the square of the damper force beyond the passive one costs [1/(N^2 s)]."""
-        if not any(self.weights):
-            return 0.0
         time, bounds = crossing_time(self.beam, speed), (self.c_min, self.c_max)
-        found = side_worth(self.vehicle, self.weights, *bounds, time).squares
-        return float(found[self.leg - 1])
+        square = side_worth(self.vehicle, self.weights, *bounds, time).squares[self.leg - 1]
+        worth = PeakValue(*_blurred(found, self.position_deviation))
+        return _feedback_law(worth, self, float(square))
 
     def command(self, **signals: ArrayLike) -> FloatArray:
         """Evaluate the command [N s/m] at one speed, one of the signals: see `Strategy.command`."""

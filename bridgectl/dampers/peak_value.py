@@ -158,14 +158,13 @@ def peak_values(
     weights = _weights(known, moments, beta, (stiff - soft) / 2 * OTHERS_SPEED * durations)
     sweep = _Backward(known, weights, beta, curvature)
     gains = np.zeros((len(nodes), *measured.shape[:2]))
-    constant, of_states = np.zeros(gains.shape[:2]), np.zeros((len(measured), crossing.n_states))
-    if any(beside):
-        side = side_worth(vehicle, beside, soft, stiff, crossing_time(beam, c))
-        of_states[:, : crossing.n_vehicle] = side.states
+    constant = np.zeros(gains.shape[:2])
+    side = side_worth(vehicle, beside, soft, stiff, crossing_time(beam, c)).states
+    of_side = np.pad(side, ((0, 0), (0, crossing.n_states - crossing.n_vehicle)))
     for k, ahead in _backward(known):
         sweep.step_back(k, ahead, durations[k])
         constant[k], per_state = sweep.worth(k, ahead)
-        gains[k] = np.einsum("dn,dnm->dm", per_state + of_states, to_states[max(k - entry, 0)])
+        gains[k] = np.einsum("dn,dnm->dm", per_state + of_side, to_states[max(k - entry, 0)])
     smooth = np.einsum("dmn,kn->kdm", measured, bridge.states[0])
     constant[entry:] -= (gains[entry:] * smooth).sum(axis=2)
     return [PeakValue(nodes, constant[:, leg], *gains[:, leg].T) for leg in range(len(measured))]
