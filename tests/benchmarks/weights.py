@@ -31,14 +31,22 @@ SOFT, STIFF = 1e3, 30e3
 STATIONS = -60 + 0.1 * np.arange(851)
 SEEDS = {"A": 20_011, "B": 20_012}
 SAMPLE_TIME = 2e-3
-RIDES = [0.0, *(0.05 * 2 ** np.arange(0, 8.5, 0.5))]
+RIDES = [0.0, *(0.05 * 2.0 ** np.arange(8))]
+TIRES = [0.0, 8.0]
 LIMITS = [1.1, 1.3, 1.5, 2.0]
 OTHERS = [
     *({"ride": r, "travel": t} for r in (0.0, 0.2, 0.8) for t in (0.003, 0.01, 0.03)),
     *({"tire_force": f} for f in (1.0, 5.0, 25.0)),
-    {"ride": 0.5, "tire_force": 5.0},
 ]
 CONSTANTS = [1e3, 2e3, 3e3, 5e3, 7e3, 10e3, 15e3, 20e3, 30e3]
+SHORT = 0.002
+"""Of the ratio by which the limit is kept clear of, for ratios between those tried."""
+STYLES = [
+    {"color": GREY, "marker": "."},
+    {"color": BLUE, "marker": "o", "ms": 4},
+    {"color": BLACK, "marker": "s", "ms": 4},
+    {"color": VERMILLION, "marker": "x", "ls": ""},
+]
 RECORDED = ("body_acceleration", "suspension_travel", "tire_force")
 
 
@@ -85,18 +93,10 @@ def row(told, found, base):
     print(f"{told:34}  {daf:.4f} +- {error:.4f}  {speeds}  {numbers}", flush=True)
 
 
-def within(limit, roads, base, rides):
-    """Weight of the ride with the W_k ride at a limit, between those tried; and its crossings."""
+def within(limit, base, rides):
+    """Weight of the ride that brings the W_k ride to a limit, between those tried."""
     ratios = [found.means(base)[1] for found in rides.values()]
-    if ratios[0] <= limit:
-        return 0.0, rides[0.0]
-    k = int(np.argmax(np.array(ratios) <= limit))
-    low, high = list(rides)[k - 1 : k + 1]
-    for _ in range(6):
-        middle = np.sqrt(max(low, 0.01) * high)
-        found = hook(roads, ride=middle)
-        low, high = (low, middle) if found.means(base)[1] <= limit else (middle, high)
-    return high, hook(roads, ride=high)
+    return float(np.interp(-limit + SHORT, -np.array(ratios), list(rides)))
 
 
 def study(name, n_roads):
@@ -108,16 +108,21 @@ def study(name, n_roads):
     constants = {c: run(passive(c), roads) for c in CONSTANTS}
     for c, found in constants.items():
         row(f"passive {c / 1e3:g} kN s/m", found, base)
-    rides = {float(weight): hook(roads, ride=weight) for weight in RIDES}
-    for weight, found in rides.items():
-        row(f"ride={weight:.3g}", found, base)
+    fronts = {}
+    for ratio in TIRES:
+        print(f"tire_force = {ratio:g} ride" if ratio else "ride alone")
+        rides = {ride: hook(roads, ride=ride, tire_force=ratio * ride) for ride in RIDES}
+        for ride, found in rides.items():
+            row(f"ride={ride:.3g}", found, base)
+        for limit in LIMITS:
+            ride = within(limit, base, rides)
+            found = hook(roads, ride=ride, tire_force=ratio * ride)
+            row(f"within {limit:g} x passive: ride={ride:.3g}", found, base)
+        fronts[f"ride, tire_force = {ratio:g} ride"] = rides.values()
     others = [hook(roads, **weights) for weights in OTHERS]
     for weights, found in zip(OTHERS, others, strict=True):
         row(", ".join(f"{key}={value:g}" for key, value in weights.items()), found, base)
-    for limit in LIMITS:
-        weight, found = within(limit, roads, base, rides)
-        row(f"ride within {limit:g} x passive: ride={weight:.3g}", found, base)
-    kinds = {"constant": constants.values(), "ride": rides.values(), "others": others}
+    kinds = {"constant dampers": constants.values(), **fronts, "other weights": others}
     return {kind: np.array([f.means(base) for f in runs]) for kind, runs in kinds.items()}
 
 
@@ -129,12 +134,8 @@ def draw(points, n_roads, path):
         for ax, column, label in zip(
             axes, (1, 3), ("W_k-weighted ride", "largest travel"), strict=True
         ):
-            for kind, style, told in (
-                ("constant", {"color": GREY, "marker": "."}, "constant dampers, 1 to 30 kN s/m"),
-                ("ride", {"color": BLUE, "marker": "o", "ms": 4}, "bridgehook, ride from 0 up"),
-                ("others", {"color": VERMILLION, "marker": "x", "ls": ""}, "other weights too"),
-            ):
-                ax.plot(kinds[kind][:, 0], kinds[kind][:, column], label=told, **style)
+            for (kind, at), style in zip(kinds.items(), STYLES, strict=True):
+                ax.plot(at[:, 0], at[:, column], label=kind, **style)
             ax.axhline(1.0, color=BLACK, lw=0.8, ls=":")
             ax.set(xlabel="mean DAF [-]", ylabel=f"{label}, over passive's [-]", ylim=(0.4, 2.6),
                    title=f"{n_roads} roads of class {name}")  # fmt: skip
