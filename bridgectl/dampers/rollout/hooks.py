@@ -8,7 +8,6 @@ as far as it is known and a level one beyond. The damping with the lowest peak i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import casadi as ca
@@ -21,7 +20,7 @@ from bridgectl.dampers.costate import REACH
 from bridgectl.dampers.rollout.ahead import Mapped, Seen
 from bridgectl.dampers.rollout.observer import Observer
 from bridgectl.dampers.rollout.plant import Plant
-from bridgectl.dampers.rollout.predict import peaks_function
+from bridgectl.dampers.rollout.predict import Policy, best_function
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing
@@ -54,21 +53,22 @@ class Rollout(Bridgehook):
         between: int,
         preview: float = 0.0,
         road_map: RoadProfile | None = None,
+        **weights: float,
     ) -> None:
         beam, vehicle, *bounds = case
         why = "predictions are of one damper and one tire; bridgehook takes every vehicle"
         car = require_quarter_car(vehicle, why)
-        super().__init__(beam, car, *bounds, section, effect=effect)
+        super().__init__(beam, car, *bounds, section, effect=effect, **weights)
         self.name, self.preview_distance, self.road_map = name, preview, road_map
         self.hold = check.positive("hold", hold, unit="s")
-        count = 2 + check.integer("between", between, at_least=0)
-        self.tried = [*np.linspace(self.c_min, self.c_max, count).tolist()]
+        count = check.integer("between", between, at_least=0)
+        self.between = np.linspace(self.c_min, self.c_max, count + 2)[1:-1].tolist()
 
     def __repr__(self) -> str:
         known = "" if self.road_map is None else f", road_map={self.road_map!r}"
         return (
             f"Rollout({self.name!r}, c from {self.c_min:g} to {self.c_max:g} N s/m, "
-            f"{len(self.tried)} tried for {self.hold:g} s, for a bridge of {self.beam.length:g} m, "
+            f"tried for {self.hold:g} s, for a bridge of {self.beam.length:g} m, "
             f"preview={self.preview_distance:g} m{known})"
         )
 
@@ -80,10 +80,11 @@ class Rollout(Bridgehook):
 
     def _made(self, speed: float) -> Strategy:
         crossing = make_crossing(self.beam, self.vehicle, self.effect)
-        plant, bounds = Plant(crossing, speed, self._worth(speed)), (self.c_min, self.c_max)
+        plant = Plant(crossing, speed, self._worth(speed))
+        policy = Policy(self.c_min, self.c_max, self.passive_damping, self._square(speed))
         road = self.road_map and Mapped(plant, self.road_map, self.preview_distance)
         over = road or Seen(plant, self._distances)
-        peaks = peaks_function(plant, self.tried, bounds, self.hold, over)
+        rollout = best_function(plant, policy, self.weights, self.between, self.hold, over)
         observer = Observer(plant)
 
         def law(s: Any, g: Any) -> Any:
@@ -95,24 +96,15 @@ class Rollout(Bridgehook):
             )
             place = ca.if_else(active, plant.place(s.position), plant.last + 1)
             ahead = ca.vertcat(*s.ahead) if self._distances else ca.SX(0, 1)
-            best = _lowest(self.tried, ca.vertsplit(peaks(place, state, ahead)))
-            return ca.if_else(active, best, self.passive_damping)
+            return ca.if_else(active, rollout(place, state, ahead)[0], self.passive_damping)
 
         def update(s: Any, g: Any) -> dict[str, Any]:
             return dict(zip(observer.states, observer.moved(s)[0], strict=True))
 
         return Strategy(
-            self.name, law, *bounds, states=observer.states, update=update,
+            self.name, law, self.c_min, self.c_max, states=observer.states, update=update,
             preview=self._distances,
         )  # fmt: skip
-
-
-def _lowest(dampings: Sequence[float], costs: Sequence[Any]) -> Any:
-    """The damping of the lowest cost, the first of several."""
-    best, least = dampings[0], costs[0]
-    for damping, cost in zip(dampings[1:], costs[1:], strict=True):
-        best, least = ca.if_else(cost < least, damping, best), ca.fmin(cost, least)
-    return best
 
 
 documented = filled(
@@ -130,6 +122,8 @@ hold : float, optional
     Time [s] that a damping is tried for, before bridgehook's law follows.
 between : int, optional
     Dampings that are tried beside `c_min` and `c_max`.
+ride, travel, tire_force : float, optional
+    What else counts beside the peak, with weights: see `bridgehook`.
 
 Returns
 -------
@@ -154,6 +148,9 @@ def rollout_hook(
     effect: Effect | str = "moment",
     hold: float = HOLD,
     between: int = 0,
+    ride: float = 0.0,
+    travel: float = 0.0,
+    tire_force: float = 0.0,
 ) -> Strategy:
     """Return the damper that predicts the peak on a level road, and takes what makes it lowest.
 
@@ -174,7 +171,7 @@ def rollout_hook(
     """
     return Rollout(
         "rollout", (beam, vehicle, c_min, c_max), section=section, effect=effect, hold=hold,
-        between=between,
+        between=between, ride=ride, travel=travel, tire_force=tire_force,
     )  # fmt: skip
 
 
@@ -191,6 +188,9 @@ def preview_hook(
     effect: Effect | str = "moment",
     hold: float = HOLD,
     between: int = 0,
+    ride: float = 0.0,
+    travel: float = 0.0,
+    tire_force: float = 0.0,
 ) -> Strategy:
     """Return the damper that predicts the peak on the road ahead, and takes what makes it lowest.
 
@@ -218,5 +218,5 @@ def preview_hook(
     return Rollout(
         f"{'map' if road_map else 'preview'} {distance:g} m", (beam, vehicle, c_min, c_max),
         section=section, effect=effect, hold=hold, between=between, preview=distance,
-        road_map=road_map,
+        road_map=road_map, ride=ride, travel=travel, tire_force=tire_force,
     )  # fmt: skip

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from bridgectl.dampers.rollout.plant import Plant
-from bridgectl.dampers.rollout.table import read
+from bridgectl.dampers.rollout.table import APART, read
 from bridgectl.dampers.sensors import exact
 from bridgectl.model.bridge import state_matrix
 
@@ -34,7 +34,7 @@ class Observer:
         index = ca.floor(place)
         found = read(plant.shapes, index, place - index, 1)
         self._found: tuple[Any, Any] = (None, None)  # of a law and its update, which ask in turn
-        self.shapes = ca.Function("shapes", [place], [found], {"never_inline": True})
+        self.shapes = ca.Function("shapes", [place], [found], APART)
 
     def moved(self, s: Any) -> list[Any]:
         """States as they are at this sample, in their order, and the deflection under the tire."""

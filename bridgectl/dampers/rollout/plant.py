@@ -9,6 +9,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
+import casadi as ca
 import numpy as np
 from scipy.linalg import expm
 
@@ -32,7 +33,7 @@ class Plant:
     """The numbers of a crossing at a speed [m/s], with the worth of a damper force there."""
 
     def __init__(self, crossing: Crossing, speed: float, worth: PeakValue) -> None:
-        self.crossing, self.worth = crossing, worth
+        self.crossing, self._worth = crossing, worth
         self.car: Any = crossing.vehicle
         self.load = float(crossing.linear.static_loads[0])
         on_bridge = int(np.ceil(crossing.beam.length / (speed * STEP)))
@@ -70,10 +71,14 @@ class Plant:
         per_force, beside = np.where(
             on, [rows.per_force[:, 0], 0 * x + rows.constant], [[0.0], [NEVER]]
         )
-        places, *worth = self.worth
-        at_start = [np.interp(x, places, each, right=0.0) for each in worth]
         at_end = np.vstack([self.shapes, per_force, beside])
-        return np.vstack([np.array(at_start)[:, :-1], at_end[:, 1:]])
+        return np.vstack([self.worth[:, :-1], at_end[:, 1:]])
+
+    @cached_property
+    def worth(self) -> FloatArray:
+        """Worth of a damper force, constant and per velocity of body and axle, (3, nodes)."""
+        places, *found = self._worth
+        return np.array([np.interp(self.nodes, places, each, right=0.0) for each in found])
 
     @cached_property
     def per_state(self) -> FloatArray:
@@ -105,4 +110,4 @@ class Plant:
         """Impulse of a damper in a step per suspension velocity [kg]."""
         body, axle = self.car.sprung_mass, self.car.unsprung_mass
         mass = body * axle / (body + axle)
-        return -mass * np.expm1(-damping * self.step / mass)
+        return -mass * ca.expm1(-damping * self.step / mass)

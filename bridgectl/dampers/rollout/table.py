@@ -8,6 +8,9 @@ import casadi as ca
 
 from bridgectl._checks import FloatArray
 
+APART = {"never_inline": True}
+"""What makes a function of CasADi one of its own in C, called where it is used."""
+
 
 def read(table: FloatArray, index: Any, share: Any, size: int) -> Any:
     """Columns of a table (n, size) from one on, each a share of the way to the next."""
