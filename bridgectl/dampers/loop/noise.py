@@ -23,8 +23,9 @@ ROUND = 1e-8
 
 OF_POSITION, OF_SENSORS, OF_PREVIEW, OF_LEG = 1, 2, 3, 100
 """What tells random numbers for errors of position, for the noise of accelerometers and travel
-sensors, and for that of what is seen ahead, from those for velocities; and those at a leg, by its number, from the first one's. A
-vehicle has one odometer, and no leg an error of position of its own."""
+sensors, and for that of what is seen ahead, from those for velocities; and those at a leg, by its
+number, from the first one's. A vehicle has one odometer, and no leg an error of position of its
+own."""
 
 ROUNDS = 64
 """Rounds whose noise is drawn at once: fewer of more than two signals."""

@@ -22,6 +22,7 @@ from bridgectl.dampers.rollout.observer import Observer
 from bridgectl.dampers.rollout.plant import Plant
 from bridgectl.dampers.rollout.predict import Policy, best_function
 from bridgectl.dampers.strategy import Strategy
+from bridgectl.dampers.weights import PEAK_ALONE, Weights
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing
 from bridgectl.model.effect import Effect
@@ -32,8 +33,8 @@ from bridgectl.road.events import require_road
 SPACING = 0.1
 """Longest distance between the places that are seen ahead [m]."""
 
-HOLD = 4e-3
-"""Time that a damping is tried out for [s]."""
+HOLD, LONGEST = 4e-3, 0.1
+"""Time that a damping is tried out for [s], and the most of it."""
 
 
 class Rollout(Bridgehook):
@@ -45,7 +46,10 @@ class Rollout(Bridgehook):
     def __init__(
         self,
         name: str,
-        case: tuple[BridgeModel, QuarterCar, float, float],
+        beam: BridgeModel,
+        vehicle: QuarterCar,
+        c_min: float,
+        c_max: float,
         *,
         section: float,
         effect: Effect | str,
@@ -53,14 +57,22 @@ class Rollout(Bridgehook):
         between: int,
         preview: float = 0.0,
         road_map: RoadProfile | None = None,
-        **weights: float,
+        weights: Weights = PEAK_ALONE,
     ) -> None:
-        beam, vehicle, *bounds = case
         why = "predictions are of one damper and one tire; bridgehook takes every vehicle"
         car = require_quarter_car(vehicle, why)
-        super().__init__(beam, car, *bounds, section, effect=effect, **weights)
+        ride, travel, tire_force = weights
+        super().__init__(
+            beam, car, c_min, c_max, section, effect=effect, ride=ride, travel=travel,
+            tire_force=tire_force,
+        )  # fmt: skip
         self.name, self.preview_distance, self.road_map = name, preview, road_map
         self.hold = check.positive("hold", hold, unit="s")
+        if hold > LONGEST:
+            raise ValueError(
+                f"hold must be at most {LONGEST:g} s, got {hold:g} s: for {hold:g} ms type "
+                f"{hold / 1e3:g}"
+            )
         count = check.integer("between", between, at_least=0)
         self.between = np.linspace(self.c_min, self.c_max, count + 2)[1:-1].tolist()
 
@@ -75,15 +87,18 @@ class Rollout(Bridgehook):
     @property
     def _distances(self) -> list[float]:
         """What sensors see ahead [m]."""
-        count = 0 if self.road_map else int(np.ceil(self.preview_distance / SPACING - 1e-9))
-        return [*(self.preview_distance * np.arange(1, count + 1) / max(count, 1)).tolist()]
+        if self.road_map is not None or self.preview_distance == 0:
+            return []
+        count = int(np.ceil(self.preview_distance / SPACING - 1e-9))
+        return [*np.linspace(0, self.preview_distance, count + 1)[1:].tolist()]
 
     def _made(self, speed: float) -> Strategy:
         crossing = make_crossing(self.beam, self.vehicle, self.effect)
         plant = Plant(crossing, speed, self._worth(speed))
         policy = Policy(self.c_min, self.c_max, self.passive_damping, self._square(speed))
-        road = self.road_map and Mapped(plant, self.road_map, self.preview_distance)
-        over = road or Seen(plant, self._distances)
+        over: Seen | Mapped = Seen(plant, self._distances)
+        if self.road_map is not None:
+            over = Mapped(plant, self.road_map, self.preview_distance)
         rollout = best_function(plant, policy, self.weights, self.between, self.hold, over)
         observer = Observer(plant)
 
@@ -170,8 +185,8 @@ def rollout_hook(
     array([7000., 30000.])
     """
     return Rollout(
-        "rollout", (beam, vehicle, c_min, c_max), section=section, effect=effect, hold=hold,
-        between=between, ride=ride, travel=travel, tire_force=tire_force,
+        "rollout", beam, vehicle, c_min, c_max, section=section, effect=effect, hold=hold,
+        between=between, weights=Weights(ride, travel, tire_force),
     )  # fmt: skip
 
 
@@ -216,7 +231,7 @@ def preview_hook(
     if road_map is not None:
         require_road(road_map)
     return Rollout(
-        f"{'map' if road_map else 'preview'} {distance:g} m", (beam, vehicle, c_min, c_max),
+        f"{'preview' if road_map is None else 'map'} {distance:g} m", beam, vehicle, c_min, c_max,
         section=section, effect=effect, hold=hold, between=between, preview=distance,
-        road_map=road_map, ride=ride, travel=travel, tire_force=tire_force,
+        road_map=road_map, weights=Weights(ride, travel, tire_force),
     )  # fmt: skip
