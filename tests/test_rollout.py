@@ -26,7 +26,6 @@ from bridgectl.dampers.peak_value import peak_values
 from bridgectl.dampers.rollout import plant as plants
 from bridgectl.dampers.rollout import predict as predictions
 from bridgectl.dampers.rollout.ahead import Seen
-from bridgectl.dampers.rollout.observer import Observer
 from bridgectl.dampers.rollout.predict import MARGIN, SQUARINGS, Policy, best_function
 from bridgectl.dampers.weights import PEAK_ALONE, Weights, crossing_time, side_cost
 from bridgectl.model.crossing import make_crossing
@@ -148,7 +147,7 @@ def random_states(plant, count, seed):
     states = np.zeros((5 + 3 * BEAM.n_modes, count))
     states[:4] = rng.normal(0, [[0.01], [5e-3], [0.1], [0.3]], (4, count))
     states[4] = plant.load + CAR.tire_stiffness * states[1]
-    return rng.uniform(-20, 8, count), states
+    return rng.uniform(-20, 7.8, count), states
 
 
 def test_what_is_tried_is_what_a_force_is_worth_and_the_other_bound():
@@ -168,13 +167,13 @@ def test_what_is_tried_is_what_a_force_is_worth_and_the_other_bound():
 
 
 def test_with_a_weight_on_the_ride_its_own_damping_is_between_the_bounds_and_both_are_tried():
-    weights = Weights(ride=0.05)
+    weights = Weights(ride=0.5)
     plant, predict = function(effect="moment", weights=weights)
     places, states = random_states(plant, 100, 3)
     tried = predict.map(100)(plant.place(places)[np.newaxis], states, np.zeros((0, 100)))[1]
     own, *bounds = tried.full().reshape(-1, 3).T
     assert np.array_equal(bounds, np.tile([[SOFT], [STIFF]], 100))
-    assert np.sum((own > SOFT) & (own < STIFF)) > 20
+    assert np.sum((own > SOFT) & (own < STIFF)) > 15
 
 
 def test_the_lower_prediction_is_commanded_unless_bridgehooks_own_is_as_good():
@@ -189,42 +188,59 @@ def test_the_lower_prediction_is_commanded_unless_bridgehooks_own_is_as_good():
     assert 10 < other.sum() < 190
 
 
-def scripted(x, c, held):
-    """Passive up to a place, then a damping held over a way, and bridgehook after it."""
+def scripted(x, c, end):
+    """Passive up to a place, then a damping held up to another, and bridgehook after it."""
     hook = bridgehook(*CASE).for_speed(SPEED)
 
     def law(s, g):
-        after = ca.if_else(s.position < x + held - 1e-6, c, hook.law(s, g))
+        after = ca.if_else(s.position < end - 1e-6, c, hook.law(s, g))
         return ca.if_else(s.position < x - 1e-6, 7e3, after)
 
     return Strategy("scripted", law, SOFT, STIFF)
 
 
-@pytest.mark.parametrize("x", [-3.0, -1.0, 1.0])
+@pytest.mark.parametrize("x", [-3.0, 0.5, 2.0])
 def test_what_another_damping_changes_is_predicted_as_closed_loops_have_it(monkeypatch, x):
-    """Held for 20 ms, over a known road: of some 0.01 of the static moment, within 0.002."""
+    """Held for 20 ms, over a known road: within 0.0015 of the static moment, of some 0.01."""
     monkeypatch.setattr(predictions, "SQUARINGS", 10)  # nearer to the maximum itself
-    distances, road = list(0.1 * np.arange(1, 161)), ROADS[:1] - ROADS[0, 0]
+    distances, road = list(0.1 * np.arange(1, 161)), ROADS[0] - ROADS[0, 0]
     plant, predict = function(distances, effect="moment", hold=0.02)
-    x = plant.width * round(x / plant.width)
-    start, held = X[0] + (x - X[0]) % plant.width, 5 * plant.width
-    stations = np.append(start, X[start < X])
-    elevations = np.interp(stations, X, road[0])
-    names = ["suspension_travel", "body_velocity", "axle_velocity", "tire_force", "position"]
-    runs = [
+    k = round((x - X[0]) / plant.width)
+    x, end = X[0] + k * plant.width, X[0] + (k + 5) * plant.width
+    names = ["suspension_travel", "body_velocity", "axle_velocity", "tire_force"]
+    soft, stiff = (
         simulate_loop(
-            BEAM, CAR, Damper(scripted(x, c, held), sample_time=plant.step), SPEED, stations,
-            elevations, record=[*names[:-1]],
+            BEAM, CAR, Damper(scripted(x, c, end), sample_time=plant.step), SPEED, X, road,
+            record=names,
         )
         for c in (SOFT, STIFF)
-    ]  # fmt: skip
-    signals = {name: runs[0].histories[0][name][0] for name in names[:-1]}
-    k = round((x - start) / plant.width)
-    observer = Observer(plant)
-    del observer, k, signals, predict
+    )  # fmt: skip
+    travel, up, low, forces = (soft.histories[0][name][0, : k + 1] for name in names)
+    modes = followed(X[0] + plant.width * np.arange(k + 1), forces, plant.step)[-1]
+    under = BEAM.mode_shapes(x) @ modes[::3] + (forces[k] - plant.load) / CAR.tire_stiffness
+    state = [travel[k], under, up[k], low[k], forces[k], *modes]
+    ahead = np.interp(x + np.array(distances), X, road) - np.interp(x, X, road)
+    _, tried, costs = predict(plant.place(x), state, ahead)
+    order = np.argsort(tried.full()[0])
+    change = float(np.diff(costs.full()[0][order])[0])
+    true = stiff.daf[0, 0] - soft.daf[0, 0]
+    print(x, change, true)
+    assert change == pytest.approx(true, abs=1.5e-3)
+    assert abs(true) > 4e-3
 
 
 # The bridge, followed
+
+
+def followed(places, forces, time):
+    """States of the law at samples of the tire force."""
+    law = rollout_hook(*CASE).for_speed(SPEED)
+    memory, found, row = np.zeros(len(law.states)), [], dict.fromkeys(SIGNALS, 0.0)
+    for place, force in zip(places, forces, strict=True):
+        values = [*(row | {"position": place, "tire_force": force}).values()]
+        memory = law.function(values, [], memory, time, [])[1].full()[:, 0]
+        found.append(memory)
+    return np.array(found)
 
 
 def test_a_bridge_is_followed_by_the_tire_force():
@@ -232,13 +248,8 @@ def test_a_bridge_is_followed_by_the_tire_force():
     road = bc.RoadProfile(X, ROADS[0])
     t = np.arange(round(16 / SPEED / 2e-3)) * 2e-3 + X[0] / SPEED
     response = bc.crossing_response(BEAM, CAR, SPEED, road, start=X[0], timepts=t)
-    law = rollout_hook(*CASE).for_speed(SPEED)
-    memory, found, row = np.zeros(len(law.states)), [], dict.fromkeys(SIGNALS, 0.0)
-    for place, force in zip(SPEED * t, response.outputs["tire_force"], strict=True):
-        values = [*(row | {"position": place, "tire_force": force}).values()]
-        memory = law.function(values, [], memory, 2e-3, [])[1].full()[:, 0]
-        found.append(memory[::3])
-    for j, mine in enumerate(np.array(found).T):
+    found = followed(SPEED * t, response.outputs["tire_force"], 2e-3)
+    for j, mine in enumerate(found[:, ::3].T):
         true = np.asarray(response.states[f"q_{j + 1}"])
         assert mine == pytest.approx(true, abs=0.01 * np.abs(true).max())
 
@@ -344,11 +355,6 @@ def test_in_c_the_law_is_that_on_arrays(law, tmp_path):
 # In closed loops
 
 
-def mean_daf(law, **options):
-    roads = ROADS - ROADS[:, :1]
-    return simulate_loop(BEAM, CAR, Damper(law, sample_time=4e-3, **options), SPEED, X, roads)
-
-
 def test_off_its_reach_the_damper_is_passive():
     law = rollout_hook(*CASE).for_speed(SPEED)
     found = law.command(position=[-60.1, -1e3, 8.01, 50.0], axle_velocity=0.1, tire_force=86e3)
@@ -357,7 +363,7 @@ def test_off_its_reach_the_damper_is_passive():
 
 def test_more_is_known_by_a_map_than_is_seen_and_as_much_of_as_much():
     """Over one road: 3 m of a map and 3 m seen give the same DAF, within 0.001."""
-    road = bc.RoadProfile(X, ROADS[0])
+    road = bc.RoadProfile(X, ROADS[3])
     seen = preview_hook(*CASE, preview=3.0)
     mapped = preview_hook(*CASE, preview=3.0, road_map=road)
     assert (seen.name, mapped.name) == ("preview 3 m", "map 3 m")
