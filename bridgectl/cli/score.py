@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -25,8 +26,9 @@ RANDOM_CLASSES = "AB"
 N_CONSTANT = 5
 """Constant dampers between the bounds, beside the vehicle's own."""
 
-PASSIVE, CONSTANT = "passive", "constant"
-"""What --strategies calls the vehicle's own damper, and the constant dampers together."""
+PASSIVE, CONSTANT, ROLLOUT = "passive", "constant", "rollout"
+"""What --strategies calls the vehicle's own damper, the constant dampers together, and the strategy
+that predicts peaks without preview."""
 
 SCORE_HELP = """\
 Score damper strategies for a bridge: the library of 14, and constant dampers between the same
@@ -45,7 +47,8 @@ The effect is the bending moment at --section alone; `bridgectl dae` takes other
 
 The library: passive (the vehicle's own), preset, skyhook, continuous skyhook, groundhook, tire
 groundhook, extended groundhook, selective groundhook, hybrid, ADD, SH-ADD, PDD, clipped LQR,
-bridgehook.
+bridgehook. Slower ones by --strategies alone, of a quarter-car: rollout, which predicts the peak of
+what it commands, and 'preview 10 m', which sees the road as far ahead.
 
 ROAD is delimited text, ERD text or OpenCRG, whose units the file states ('x [m], z [mm]') or
 --units tells; the file options hold for all of them. Without ROAD: a measured road that comes with
@@ -145,10 +148,24 @@ def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[
     sample_time = check.positive("--sample-time", args.sample_time, unit="s")
     own, *others = library(beam, vehicle, c_min, c_max, section=args.section)
     constants = _constants(c_min, c_max, set(vehicle.linear.damper_dampings.tolist()))
+
+    def rollout(name: str) -> Strategy | None:
+        return _rollout(name, beam, vehicle, c_min, c_max, section=args.section)
+
     return [
         Damper(strategy, sample_time, **({} if strategy.c_min == strategy.c_max else hardware))
-        for strategy in [own, *_chosen(args.strategies, others, constants)]
+        for strategy in [own, *_chosen(args.strategies, others, constants, rollout)]
     ]
+
+
+def _rollout(name: str, *case: Any, section: float) -> Strategy | None:
+    """The strategy that predicts peaks of a name, with its preview; None of other names."""
+    from bridgectl.dampers import preview_hook, rollout_hook
+
+    if name == ROLLOUT:
+        return rollout_hook(*case, section=section)
+    found = re.fullmatch(r"preview (\d+(?:\.\d+)?) m", name)
+    return preview_hook(*case, preview=float(found[1]), section=section) if found else None
 
 
 def _constants(c_min: float, c_max: float, own: set[float]) -> list[Strategy]:
@@ -164,8 +181,9 @@ def _constants(c_min: float, c_max: float, own: set[float]) -> list[Strategy]:
 
 
 def _chosen(
-    text: str | None, others: Sequence[Strategy], constants: Sequence[Strategy]
-) -> list[Strategy]:
+    text: str | None, others: Sequence[Strategy], constants: Sequence[Strategy],
+    rollout: Callable[[str], Strategy | None],
+) -> list[Strategy]:  # fmt: skip
     """The strategies that --strategies names, in its order."""
     if text is None:
         return [*others, *constants]
@@ -173,8 +191,11 @@ def _chosen(
     known |= {PASSIVE: [], CONSTANT: list(constants)}
     names = [" ".join(name.split()).lower() for name in text.split(",")]
     for name in names:
+        if name not in known and (found := rollout(name)):
+            known[name] = [found]
         if name not in known:
-            listed = ", ".join([PASSIVE, *(strategy.name for strategy in others), CONSTANT])
+            library = (strategy.name for strategy in others)
+            listed = ", ".join([PASSIVE, *library, CONSTANT, ROLLOUT, "preview 10 m"])
             raise ValueError(f"--strategies: there is no {name!r}; there are: {listed}")
         if names.count(name) > 1:
             raise ValueError(f"--strategies names {name!r} twice")
