@@ -351,6 +351,15 @@ def test_in_c_the_law_is_that_on_arrays(law, tmp_path):
         assert results[1] == pytest.approx(after[:, k], rel=1e-9)
 
 
+def test_a_strategy_goes_to_other_processes_with_the_laws_that_it_has_made():
+    cloudpickle = pytest.importorskip("cloudpickle")
+    law = rollout_hook(*CASE)
+    made = law.for_speed(SPEED)
+    other = cloudpickle.loads(cloudpickle.dumps(law)).for_speed(SPEED)
+    given = {"position": [-5.0, 3.0], "axle_velocity": 0.2, "tire_force": [8e4, 9e4]}
+    assert np.array_equal(other.command(**given), made.command(**given))
+
+
 # In closed loops
 
 
