@@ -64,10 +64,10 @@ TRAVEL = 0.01
 SHARE = 0.5
 """Of what the passive vehicle's motion would yet cost, what it costs with a damper that chooses.
 
-Chosen for the mean DAF at the same ride, 1.3 times the passive one, on 20 roads of class A and 20 of
-B: 1 has one higher by up to 0.003 (A). In J with seven sets of weights, on 10 roads of each class,
-0.5 is within 0.005 (A) and 0.023 (B) of the best share, 0 within 0.005 and 0.079, 1 within 0.010
-and 0.001: on rough roads and with large weights more than a half is left.
+Chosen for the mean DAF at the same ride, some 1.3 times the passive one, on 20 roads of class A and
+20 of B: 1 has one higher by up to 0.009. In J with seven sets of weights, on 10 roads of each
+class, 0.5 is within 0.005 (A) and 0.023 (B) of the best share, 0 within 0.005 and 0.079, 1 within
+0.010 and 0.001: with large weights on rough roads more than a half is left.
 """
 
 
