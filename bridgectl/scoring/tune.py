@@ -135,14 +135,14 @@ held out, approach of 2 m)
     names = _names(device.strategy, devices, gains)
     way = _method(method, device.strategy)
     training, others = _studies(crossing, roads, held_out, speeds, approach)
-    judge_crossing(crossing, training.speeds, *roads, *held_out)
-    judge_range(vehicle, devices)
     classes = training.classes
     if objective == CLASS_DAE and not classes:
         raise ValueError(
             "objective 'class_dae' needs roads of a class whose unit ramp is no higher than long, "
             f"got class {' and '.join(sorted(set(training.road_classes)))}: type objective='daf'"
         )
+    judge_crossing(crossing, training.speeds, *roads, *held_out)
+    judge_range(vehicle, devices)
     driven = all_roads(training) if objective == DAF else class_ramps(training, classes)
     goal = Objective(crossing, devices, names, training.speeds, driven, soft, workers)
     first = device.strategy
