@@ -38,7 +38,8 @@ between, that begin as the vehicle's own. A program is tuned by exact gradients,
 differential evolution, for their DAF is rough.
 
 Training roads are the files ROAD, read as by `bridgectl score`, and --random N roads of --class;
---held-out N more of the class are held out, the same every time. It takes some 20 s; Ctrl-C ends
+--held-out N more of the class are held out, the same every time. It takes some 20 s, with the
+class DAE some minutes; Ctrl-C ends
 the search and keeps the best so far.
 
 examples:

@@ -100,16 +100,16 @@ class Search:
 
     def note(self, u: FloatArray, values: FloatArray) -> None:
         """Take note of a step's values (m,) at u (m, n); the very first one is of the start."""
-        if not self.history:
-            self.best, self.history = u[0], [float(values[0])]
-            if len(values) == 1:
-                return
-        with suppress(StopIteration):
-            next(self._bar)
-        k = int(values.argmin())
-        if values[k] < self.history[-1]:
-            self.best = u[k]
-        self.history.append(min(float(values[k]), self.history[-1]))
+        first = not self.history
+        if first:
+            self.best, self.history = u[0].copy(), [float(values[0])]
+        if not first or len(values) > 1:
+            k = int(values.argmin())
+            if values[k] < self.history[-1]:
+                self.best = u[k].copy()
+            self.history.append(min(float(values[k]), self.history[-1]))
+            with suppress(StopIteration):
+                next(self._bar)  # last, for an interruption may come while it draws
 
 
 def by_gradient(

@@ -12,7 +12,7 @@ from rich.table import Table
 from bridgectl._tables import make_console, make_table
 from bridgectl._units import to_kmh
 from bridgectl.scoring.agreement import CONFIDENCE
-from bridgectl.scoring.text import _difference
+from bridgectl.scoring.text import _count, _difference
 
 # Tuning, whose module imports this one.
 Tuned: TypeAlias = Any
@@ -85,8 +85,10 @@ def _daf_table(tuned: Tuned) -> Table:
 
 
 def _sentences(tuned: Tuned) -> list[str]:
-    kind = "generations" if tuned.method == "generations" else "gradients"
-    lines = [f"{tuned.history.size - 1} {kind}, {tuned.seconds:.1f} s."]
+    one, several = ("generation", "generations") if tuned.method == "generations" else (
+        "gradient after the first", "gradients after the first"
+    )  # fmt: skip
+    lines = [f"{_count(tuned.history.size - 1, one, several)}, {tuned.seconds:.1f} s."]
     if tuned.interrupted:
         lines.append("Interrupted: these are the best gains so far.")
     if not tuned.held_out.size:
