@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 PROGRAM = "program"
 """What --strategy calls a damping for each place."""
 
+RANDOM = 50
+"""Random training roads: with 25 a program fits them, and gains nothing elsewhere."""
+
 REACH = 20.0
 """How far before the bridge the places of a program begin [m], if the approach is as long."""
 
@@ -38,9 +41,8 @@ between, that begin as the vehicle's own. A program is tuned by exact gradients,
 differential evolution, for their DAF is rough.
 
 Training roads are the files ROAD, read as by `bridgectl score`, and --random N roads of --class;
---held-out N more of the class are held out, the same every time. It takes some 20 s, with the
-class DAE some minutes; Ctrl-C ends
-the search and keeps the best so far.
+--held-out N more of the class are held out, the same every time. It takes a minute, of laws on the
+class DAE some minutes; Ctrl-C ends the search and keeps the best so far.
 
 examples:
   bridgectl tune --strategy hybrid --plot hybrid.png
@@ -53,8 +55,8 @@ def add_tune_options(parser: argparse.ArgumentParser) -> None:
     """Add every option but those of the output."""
     options.add_file_options(parser, many=True)
     options.add_place_options(parser, approach=60.0, speeds="70,90,108")
-    text = "random training roads (default 12)"
-    options.add_option(parser, "--random", "N", text, options.as_whole, 12)
+    text = f"random training roads (default {RANDOM})"
+    options.add_option(parser, "--random", "N", text, options.as_whole, RANDOM)
     text = "random roads that are held out (default 40)"
     options.add_option(parser, "--held-out", "N", text, options.as_whole, 40)
     options.add_option(
@@ -120,7 +122,7 @@ def _check_numbers(args: argparse.Namespace) -> None:
         check.positive("--softness", args.softness)
     check.choice("--class", getattr(args, "class"), tuple(CLASSES))
     if not args.roads and args.random == 0:
-        raise ValueError("--random 0 leaves no training roads: name files, or type --random 12")
+        raise ValueError(f"--random 0 leaves no training roads: name files, or type --random {RANDOM}")
 
 
 def _strategy(
