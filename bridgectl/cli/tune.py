@@ -122,7 +122,9 @@ def _check_numbers(args: argparse.Namespace) -> None:
         check.positive("--softness", args.softness)
     check.choice("--class", getattr(args, "class"), tuple(CLASSES))
     if not args.roads and args.random == 0:
-        raise ValueError(f"--random 0 leaves no training roads: name files, or type --random {RANDOM}")
+        raise ValueError(
+            f"--random 0 leaves no training roads: name files, or type --random {RANDOM}"
+        )
 
 
 def _strategy(
