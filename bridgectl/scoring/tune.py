@@ -131,7 +131,7 @@ def tune(
     Tuning('program', 3 gains, DAF 1.1166 to 1.1117 on 2 training roads, 1.1155 to 1.1059 on 2 \
 held out, approach of 2 m)
     >>> found.strategy.dampings.round(-3)
-    array([30000., 30000.,  1000.])
+    array([ 2000.,  1000., 23000.])
     """
     check.flag("progress", progress)
     check.choice("objective", objective, (DAF, CLASS_DAE))
