@@ -87,7 +87,7 @@ def function(distances=(), c=None, weights=PEAK_ALONE, effect=SMOOTH, hold=4e-3)
     law = bridgehook(BEAM, CAR, SOFT, STIFF, effect=effect, **weights._asdict())
     plant = plants.Plant(make_crossing(BEAM, CAR, effect), SPEED, law._worth(SPEED))
     policy = Policy(low, high, 7e3, law._square(SPEED))
-    return plant, best_function(plant, policy, weights, [], hold, Seen(plant, distances))
+    return plant, best_function(plant, policy, weights, hold, Seen(plant, distances))
 
 
 # Predictions
@@ -379,7 +379,7 @@ def test_of_a_map_as_much_is_known_as_is_seen_of_as_much():
     plant, seen = function(distances)
     _, level = function()
     mapped = best_function(
-        plant, Policy(SOFT, STIFF, 7e3, 0.0), PEAK_ALONE, [], 4e-3, Mapped(plant, road, 3.0)
+        plant, Policy(SOFT, STIFF, 7e3, 0.0), PEAK_ALONE, 4e-3, Mapped(plant, road, 3.0)
     )
     at = plant.place(x)
     costs = [
