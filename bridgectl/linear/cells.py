@@ -140,11 +140,13 @@ class Cells:
         states = np.empty((len(initial), len(self.kind) + 1, *initial.shape[1:]))
         states[:, 0] = initial
         if self.n_states > 2 * drive.shape[2]:  # a step is more than the two it is made of
-            stages = drive
+            stages, states[:, 1:] = drive, pitch
+            inputs, from_states = self.inputs, self.from_states
             for c, (kind, cell) in enumerate(zip(self.kind, self.map_of, strict=True)):
-                stages[:, c] += self.from_states[:, cell] @ states[:, c]
-                states[:, c + 1] = self.free[:, kind] @ states[:, c]
-                states[:, c + 1] += self.inputs[:, cell] @ stages[:, c] + pitch[:, c]
+                now, after, own = states[:, c], states[:, c + 1], stages[:, c]
+                own += from_states[:, cell] @ now
+                after += self.free[:, kind] @ now
+                after += inputs[:, cell] @ own
             return states, stages
         push, steps = self.inputs[:, self.map_of] @ drive + pitch, self.steps
         for c, cell in enumerate(self.map_of):
