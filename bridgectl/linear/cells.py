@@ -353,12 +353,11 @@ def _beam_maps(
         # Of each mode by speed, row, cell and stage value.
         response = rows[:, u].swapaxes(0, 1).reshape(n_modes, n_speeds * n_rows, N_FORCES) @ here
         response = response.reshape(n_modes, n_speeds, n_rows, size, q)
-        for j, of_mode in enumerate(response):
-            felt = of_mode.swapaxes(1, 2)[:, :, :, np.newaxis]
-            compliance[:, own] += leading[..., j, np.newaxis][:, own] * felt[:, :, :N_STAGES]
-            if rates is not None:
-                moved = lags * shapes[..., j, np.newaxis][own]
-                compliance[:, own] += moved * felt[:, :, N_ROWS:]
+        # The same by speed, cell, row, mode and stage value.
+        felt = response.transpose(1, 3, 2, 0, 4)
+        compliance[:, own] = leading[:, own] @ felt[:, :, :N_STAGES]
+        if rates is not None:
+            compliance[:, own] += (lags * shapes[own]) @ felt[:, :, N_ROWS:]
         at_end[:, own] = response[:, :, N_STAGES:N_ROWS].transpose(1, 3, 0, 2, 4)
         values = effects[:, u].reshape(n_speeds * len(_INNER), -1) @ here.reshape(-1, size * q)
         effect[:, own] = values.reshape(n_speeds, -1, size, q).swapaxes(1, 2)
