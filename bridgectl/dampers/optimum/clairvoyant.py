@@ -10,24 +10,31 @@ all that is not is z = phi v, with phi between its values at c_min and c_max. IP
     minimise t   subject to   M_k <= t,   x_(k+1) = T_k x_k + Z_k z_k + g_k,   z_k = phi_k v_k
 
 with all states as variables (multiple shooting). It finds local optima: it starts from the passive
-damper and from bridgehook, and the lowest of all is taken, these two included. What is reported is
-never the solver's number but that of `simulate_loop` with this damping.
+damper and from bridgehook, and the lowest of all is taken, these two included. Beside it goes the
+descent over blocks of `bridgectl.dampers.optimum.descent`, from the same two, with IPOPT to polish
+what it comes to. What is reported is never a number of these but that of `simulate_loop` with the
+damping, and the better of the two.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from itertools import product
+from typing import Any, NamedTuple, overload
 
 import casadi as ca
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing
-from bridgectl._threads import on_one_thread
+from bridgectl._progress import track
 from bridgectl._warn import warn
+from bridgectl._workers import in_processes
 from bridgectl.dampers.actuator import Damper, with_damping
 from bridgectl.dampers.costate import costate_of
 from bridgectl.dampers.fitted import fitted
@@ -35,10 +42,12 @@ from bridgectl.dampers.gains import damping_bounds
 from bridgectl.dampers.legs import Legs, require_dampers
 from bridgectl.dampers.loop.damped import simulate_run
 from bridgectl.dampers.loop.result import LoopResult
+from bridgectl.dampers.optimum.descent import Descent
 from bridgectl.dampers.optimum.solver import NOT_SOLVED, Solver, Try
 from bridgectl.dampers.optimum.steps import Steps, join, march
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.lift_off import LiftOffWarning
+from bridgectl.linear.runs import Run
 from bridgectl.linear.start import begin
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing, require_factor
@@ -79,9 +88,13 @@ class Clairvoyant:
     c_min, c_max : float
         Bounds of the damping [N s/m].
     status : str
-        What the solver said of the best of its solutions. The numbers above do not depend on it.
+        What the solver said of the solution that was taken, or that it is the descent's. The
+        numbers above do not depend on it.
     offsets : ndarray, shape (n_dampers,)
         How far each damper is behind the reference tire [m], whose places `positions` are.
+    ipopt_daf, descent_daf : float
+        DAF [-] of the best that IPOPT finds from passive and bridgehook, and of the best of the
+        descent over blocks, polished by IPOPT. `daf` is the better of them.
     """
 
     daf: float
@@ -93,6 +106,8 @@ class Clairvoyant:
     c_max: float
     status: str
     offsets: FloatArray = field(default_factory=lambda: np.zeros(1))
+    ipopt_daf: float = np.nan
+    descent_daf: float = np.nan
 
     def __repr__(self) -> str:
         return (
@@ -115,12 +130,42 @@ class Clairvoyant:
         return each[0] if len(each) == 1 else each
 
 
-@on_one_thread
+class _Job(NamedTuple):
+    """One crossing whose optimum is sought."""
+
+    run: Run
+    """Without dampers."""
+    vehicle: Vehicle | QuarterCar
+    """With its own."""
+    speed: float
+    step: float
+    c_min: float
+    c_max: float
+
+
+@overload
+def clairvoyant(
+    beam: BridgeModel, vehicle: Vehicle | QuarterCar, speed: float, road: RoadProfile,
+    c_min: float, c_max: float, *, start: float = ..., step: float = ..., section: float = ...,
+    recovery: str = ..., effect: Effect | str = ..., workers: int | None = ...,
+    progress: bool = ...,
+) -> Clairvoyant: ...  # fmt: skip
+
+
+@overload
+def clairvoyant(
+    beam: BridgeModel, vehicle: Vehicle | QuarterCar, speed: ArrayLike,
+    road: RoadProfile | Sequence[RoadProfile], c_min: float, c_max: float, *, start: float = ...,
+    step: float = ..., section: float = ..., recovery: str = ..., effect: Effect | str = ...,
+    workers: int | None = ..., progress: bool = ...,
+) -> Any: ...  # fmt: skip
+
+
 def clairvoyant(
     beam: BridgeModel,
     vehicle: Vehicle | QuarterCar,
-    speed: float,
-    road: RoadProfile,
+    speed: ArrayLike,
+    road: RoadProfile | Sequence[RoadProfile],
     c_min: float,
     c_max: float,
     *,
@@ -129,11 +174,13 @@ def clairvoyant(
     section: float = 0.5,
     recovery: str = "exact",
     effect: Effect | str = "moment",
-) -> Clairvoyant:
-    """Find the dampings that give one crossing its least peak moment, all of the road known.
+    workers: int | None = None,
+    progress: bool = True,
+) -> Any:
+    """Find the dampings that give a crossing its least peak moment, all of the road known.
 
     A reference line for strategies, not a controller: no damper knows the road so well. It is the
-    best that a local solver found, from several starts: an upper bound of the true optimum.
+    best that two local searches found, from several starts: an upper bound of the true optimum.
 
     Parameters
     ----------
@@ -141,27 +188,32 @@ def clairvoyant(
         See `bridgectl.daf`.
     vehicle : Vehicle or QuarterCar
         The vehicle; its own dampings (`damper_dampings`) are where the search starts.
-    speed : float
-        Speed c [m/s].
-    road : RoadProfile
-        The road, covering `start` to the end of the bridge.
+    speed : float or array_like
+        Speed c, or speeds [m/s].
+    road : RoadProfile or sequence of RoadProfile
+        The road, covering `start` to the end of the bridge, or several.
     c_min, c_max : float
         Bounds of the damping [N s/m].
     start : float, optional
         Where the vehicle starts in equilibrium [m]: 0, or negative for a start on the approach.
     step : float, optional
         Time that the damping is held [s].
+    workers : int, optional
+        Processes at work on several crossings: see `bridgectl.score`.
+    progress : bool, optional
+        Whether to show a progress bar on a terminal.
 
     Returns
     -------
-    Clairvoyant
+    Clairvoyant, or ndarray of Clairvoyant, shape (n_speeds, n_roads)
+        The array if speeds or roads are several, with the numbers that each has alone.
 
     Raises
     ------
     TypeError, ValueError
         If an argument is not what is described above.
     RuntimeError
-        If the closed loop does not confirm the peak moment within 0.002.
+        If the closed loop does not confirm a peak moment within 0.002.
 
     Warns
     -----
@@ -185,41 +237,87 @@ def clairvoyant(
     1.15 passive, 1.12 at best
     """
     require_dampers(vehicle)
-    require_road(road)
+    one = isinstance(road, RoadProfile) or not isinstance(road, Sequence)
+    roads = [road] if one else list(road)  # type: ignore[arg-type]
+    for each in roads:
+        require_road(each)
+    if not roads:
+        raise ValueError("road must hold a road, got none: type [bridgectl.utia_road()]")
     soft, stiff = damping_bounds(c_min, c_max)
-    passing, c = make_crossing(beam, vehicle, effect, section, recovery), Motion(speed).speed
+    passing = make_crossing(beam, vehicle, effect, section, recovery)
+    single = np.ndim(speed) == 0  # type: ignore[arg-type]
+    speeds = np.array([Motion(speed).speed]) if single else check.speeds(speed)  # type: ignore[arg-type]
     require_factor(passing)
+    check.flag("progress", progress)
     crossing = replace(passing, vehicle=with_damping(vehicle, 0.0))
-    run, speeds = begin(passing, road, start, c)._replace(crossing=crossing), np.array([c])
-    judge_crossing(crossing, c, road)
     held = check.positive("step", step, unit="s")
+    runs = [begin(passing, each, start, speeds)._replace(crossing=crossing) for each in roads]
+    judge_crossing(crossing, speeds, *roads)
+    jobs = [
+        (_Job(run, vehicle, float(c), held, soft, stiff),) for c, run in product(speeds, runs)
+    ]
+    found = np.empty(len(jobs), dtype=object)
+    flights = 0
+    with closing(in_processes(_optimum, jobs, workers)) as done:
+        for index, (result, flies) in track(
+            done, "Finding optima", len(jobs), show=progress, unit="crossings"
+        ):
+            found[index], flights = result, flights + flies
+    if flights:
+        _warn_of_flights(flights, len(jobs))
+    return found[0] if one and single else found.reshape(len(speeds), len(roads))
+
+
+def _warn_of_flights(flights: int, total: int) -> None:
+    where = "" if total == 1 else f" in {flights} of {total} crossings"
+    warn(
+        f"the tire leaves the road{where}: the damping is the best of a crossing without lift-off, "
+        "and its DAF is that with R >= 0",
+        LiftOffWarning,
+    )
+
+
+def _optimum(job: _Job) -> tuple[Clairvoyant, bool]:
+    """Find the optimum of one crossing, and tell whether its tire leaves the road."""
+    run, vehicle, c, held, soft, stiff = job
+    crossing = run.crossing
     own = np.clip(vehicle.linear.damper_dampings, soft, stiff)
     offsets = Legs(vehicle.linear).offsets
 
+    def simulate(damping: FloatArray, status: str) -> tuple[Clairvoyant, LoopResult]:
+        rows = _of_dampers(damping, len(own))
+        tried = Clairvoyant(
+            np.nan, np.nan, steps.positions, rows, held, soft, stiff, status, offsets
+        )
+        loop = simulate_run(run, fitted(tried.damper, vehicle), np.array([c]))
+        return replace(tried, daf=float(loop.daf[0, 0])), loop
+
     for longest in STEPS:
         steps = join(run, c, held, longest, soft, stiff)
-        tries = _tries(steps, vehicle, crossing, c, own)
-        peaks = [march(steps, given.shares).peak for given in tries]
-        best = tries[int(np.argmin(peaks))]
-        found = _of_dampers(steps.damping(best.shares), len(own))
-        result = Clairvoyant(
-            np.nan, np.nan, steps.positions, found, held, soft, stiff, best.status, offsets
-        )
-        optimum = simulate_run(run, fitted(result.damper, vehicle), speeds)
-        if _agrees(optimum, crossing.orientation * min(peaks)):
+        each = [_lowest(tries, steps) for tries in _tries(steps, vehicle, crossing, c, own)]
+        simulated = [simulate(steps.damping(best.shares), best.status) for best, _ in each]
+        k = int(np.argmin([crossing.orientation * result.daf for result, _ in simulated]))
+        (result, optimum), peak = simulated[k], crossing.orientation * each[k][1]
+        flies = not optimum.least_force[0, 0] > 0
+        # Nothing confirms an optimum where the tire leaves the road.
+        if flies or abs(result.daf - peak) <= AGREEMENT:
             break
     else:
         raise RuntimeError(
-            f"the closed loop gives a DAF of {optimum.daf[0, 0]:.4f} for an optimum of "
-            f"{crossing.orientation * min(peaks):.4f}: type a smaller step, for example "
-            f"step={min(held, longest) / 2:g}"
+            f"the closed loop gives a DAF of {result.daf:.4f} for an optimum of {peak:.4f}: type a "
+            f"smaller step, for example step={min(held, longest) / 2:g}"
         )
-    kept = replace(result, damping=_of_dampers(np.tile(own, len(steps.positions)), len(own)))
-    passive = float(simulate_run(run, fitted(kept.damper, vehicle), speeds).daf[0, 0])
-    lowest = float(optimum.daf[0, 0])
-    if crossing.orientation * (passive - lowest) <= 0:
-        lowest, result = passive, replace(kept, status=NOT_SOLVED)
-    return replace(result, daf=lowest, passive_daf=passive)
+    ipopt, descent = (found.daf for found, _ in (simulated[0], simulated[-1]))
+    kept, _ = simulate(np.tile(own, len(steps.positions)), NOT_SOLVED)
+    if crossing.orientation * (kept.daf - result.daf) <= 0:
+        result = kept
+    return replace(result, passive_daf=kept.daf, ipopt_daf=ipopt, descent_daf=descent), flies
+
+
+def _lowest(tries: Sequence[Try], steps: Steps) -> tuple[Try, float]:
+    """Return the try of the lowest peak, and that."""
+    peaks = [march(steps, each.shares).peak for each in tries]
+    return tries[int(np.argmin(peaks))], min(peaks)
 
 
 def _of_dampers(values: FloatArray, count: int) -> FloatArray:
@@ -229,27 +327,20 @@ def _of_dampers(values: FloatArray, count: int) -> FloatArray:
 
 def _tries(
     steps: Steps, vehicle: Vehicle | QuarterCar, crossing: Crossing, speed: float, own: FloatArray
-) -> list[Try]:
-    """What the search starts from, and what it finds."""
+) -> Iterator[list[Try]]:
+    """What IPOPT starts from and finds, and then what the descent does, unless nothing is free."""
     passive = steps.shares(own)
     hook = _bridgehook_shares(steps, vehicle, crossing, speed, passive)
     plain = [Try(shares, NOT_SOLVED) for shares in (passive, 0 * passive, 0 * passive + 1, hook)]
     if steps.c_min == steps.c_max:
-        return plain
-    solver = Solver(steps, passive)
-    return [*plain, solver.solve(passive), solver.solve(hook)]
-
-
-def _agrees(optimum: LoopResult, peak: float) -> bool:
-    """Whether the closed loop confirms an optimum; nothing can where the tire leaves the road."""
-    if optimum.least_force[0, 0] > 0:
-        return bool(abs(optimum.daf[0, 0] - peak) <= AGREEMENT)
-    warn(
-        "the tire leaves the road: the damping is the best of a crossing without lift-off, and "
-        "its DAF is that with R >= 0",
-        LiftOffWarning,
-    )
-    return True
+        yield plain
+        return
+    solver, descent = Solver(steps, passive), Descent(steps)
+    solved = [*plain, solver.solve(passive), solver.solve(hook)]
+    yield solved
+    lowered = [descent.lower(Try(shares, NOT_SOLVED)) for shares in (passive, hook)]
+    polished = [*lowered, *(solver.solve(each.shares) for each in lowered)]
+    yield [*polished, descent.lower(_lowest(polished + solved, steps)[0])]
 
 
 def _bridgehook_shares(
