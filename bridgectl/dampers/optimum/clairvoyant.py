@@ -27,7 +27,7 @@ from typing import Any, NamedTuple, overload
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
@@ -64,6 +64,10 @@ STEPS = (5e-3, 2.5e-3, 1.25e-3)
 AGREEMENT = 2e-3
 """Largest difference allowed between the DAF of the steps and that of the closed loop. The damping
 hardly changes with the steps: with half as long ones its DAF is the same within 0.001."""
+
+SAME = 1e-5
+"""Peaks that differ by less [-] are the same. IPOPT's damping is taken then, which stays near the
+passive one where it matters to nobody."""
 
 EARLIER = 1e-6
 """How far before an interval's start its damping is given [m]: places of samples are rounded."""
@@ -237,25 +241,21 @@ def clairvoyant(
     1.15 passive, 1.12 at best
     """
     require_dampers(vehicle)
-    one = isinstance(road, RoadProfile) or not isinstance(road, Sequence)
-    roads = [road] if one else list(road)  # type: ignore[arg-type]
+    several = isinstance(road, Sequence) and any(isinstance(each, RoadProfile) for each in road)
+    roads: list[Any] = list(road) if several else [road]  # type: ignore[arg-type]
     for each in roads:
         require_road(each)
-    if not roads:
-        raise ValueError("road must hold a road, got none: type [bridgectl.utia_road()]")
     soft, stiff = damping_bounds(c_min, c_max)
     passing = make_crossing(beam, vehicle, effect, section, recovery)
-    single = np.ndim(speed) == 0  # type: ignore[arg-type]
-    speeds = np.array([Motion(speed).speed]) if single else check.speeds(speed)  # type: ignore[arg-type]
+    single: Any = speed if np.ndim(speed) == 0 else None
+    speeds = check.speeds(speed) if single is None else np.array([Motion(single).speed])
     require_factor(passing)
     check.flag("progress", progress)
     crossing = replace(passing, vehicle=with_damping(vehicle, 0.0))
     held = check.positive("step", step, unit="s")
     runs = [begin(passing, each, start, speeds)._replace(crossing=crossing) for each in roads]
     judge_crossing(crossing, speeds, *roads)
-    jobs = [
-        (_Job(run, vehicle, float(c), held, soft, stiff),) for c, run in product(speeds, runs)
-    ]
+    jobs = [(_Job(run, vehicle, float(c), held, soft, stiff),) for c, run in product(speeds, runs)]
     found = np.empty(len(jobs), dtype=object)
     flights = 0
     with closing(in_processes(_optimum, jobs, workers)) as done:
@@ -265,7 +265,7 @@ def clairvoyant(
             found[index], flights = result, flights + flies
     if flights:
         _warn_of_flights(flights, len(jobs))
-    return found[0] if one and single else found.reshape(len(speeds), len(roads))
+    return found.reshape(len(speeds), -1) if several or single is None else found[0]
 
 
 def _warn_of_flights(flights: int, total: int) -> None:
@@ -315,9 +315,10 @@ def _optimum(job: _Job) -> tuple[Clairvoyant, bool]:
 
 
 def _lowest(tries: Sequence[Try], steps: Steps) -> tuple[Try, float]:
-    """Return the try of the lowest peak, and that."""
-    peaks = [march(steps, each.shares).peak for each in tries]
-    return tries[int(np.argmin(peaks))], min(peaks)
+    """Return the first try of the lowest peak, and that."""
+    peaks = np.array([march(steps, each.shares).peak for each in tries])
+    k = int(np.argmax(peaks <= peaks.min() + SAME))
+    return tries[k], float(peaks[k])
 
 
 def _of_dampers(values: FloatArray, count: int) -> FloatArray:
@@ -339,8 +340,8 @@ def _tries(
     solved = [*plain, solver.solve(passive), solver.solve(hook)]
     yield solved
     lowered = [descent.lower(Try(shares, NOT_SOLVED)) for shares in (passive, hook)]
-    polished = [*lowered, *(solver.solve(each.shares) for each in lowered)]
-    yield [*polished, descent.lower(_lowest(polished + solved, steps)[0])]
+    polished = [solver.solve(each.shares) for each in lowered]
+    yield [descent.lower(_lowest([*solved, *polished, *lowered], steps)[0])]
 
 
 def _bridgehook_shares(

@@ -205,9 +205,7 @@ class _Round:
         starts = np.concatenate([each[3] for each in found])[order]
         return Blocks(bounds[order], parts[0], parts[1], starts, parts[2])
 
-    def _adjoint(
-        self, interval: NDArray[np.intp], row: NDArray[np.intp], last: int
-    ) -> FloatArray:
+    def _adjoint(self, interval: NDArray[np.intp], row: NDArray[np.intp], last: int) -> FloatArray:
         """What a change of states at the start of intervals makes of some later moments."""
         found = np.zeros((last + 1, len(interval), self.states.shape[1]))
         firsts = np.searchsorted(interval, np.arange(last + 1))
