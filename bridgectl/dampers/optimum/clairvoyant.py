@@ -295,7 +295,10 @@ def _optimum(job: _Job) -> tuple[Clairvoyant, bool]:
     for longest in STEPS:
         steps = join(run, c, held, longest, soft, stiff)
         each = [_lowest(tries, steps) for tries in _tries(steps, vehicle, crossing, c, own)]
-        simulated = [simulate(steps.damping(best.shares), best.status) for best, _ in each]
+        simulated = [simulate(steps.damping(best.shares), best.status) for best, _ in each[:1]]
+        for best, _ in each[1:]:
+            same = best is each[0][0]
+            simulated += simulated if same else [simulate(steps.damping(best.shares), best.status)]
         k = int(np.argmin([crossing.orientation * result.daf for result, _ in simulated]))
         (result, optimum), peak = simulated[k], crossing.orientation * each[k][1]
         flies = not optimum.least_force[0, 0] > 0
