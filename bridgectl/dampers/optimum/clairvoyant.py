@@ -61,6 +61,9 @@ from bridgectl.road.events import require_road
 STEPS = (5e-3, 2.5e-3, 1.25e-3)
 """Longest steps to try [s], until the closed loop agrees: their error falls with the square."""
 
+STEP = 5e-3
+"""Time that the damping is held [s], if no other is asked for."""
+
 AGREEMENT = 2e-3
 """Largest difference allowed between the DAF of the steps and that of the closed loop. The damping
 hardly changes with the steps: with half as long ones its DAF is the same within 0.001."""
@@ -174,7 +177,7 @@ def clairvoyant(
     c_max: float,
     *,
     start: float = 0.0,
-    step: float = 5e-3,
+    step: float = STEP,
     section: float = 0.5,
     recovery: str = "exact",
     effect: Effect | str = "moment",
