@@ -11,6 +11,7 @@ from test_whole_vehicles import half_car
 import bridgectl as bc
 from bridgectl.dampers import clairvoyant, passive
 from bridgectl.dampers.optimum import descent as room
+from bridgectl.dampers.optimum.clairvoyant import _calmed
 from bridgectl.dampers.optimum.descent import Descent
 from bridgectl.dampers.optimum.solver import NOT_SOLVED, Try
 from bridgectl.dampers.optimum.steps import join, march
@@ -60,6 +61,19 @@ def test_no_block_at_a_bound_lowers_the_peak_that_the_descent_comes_to(coarse):
                 changed = found.shares.copy()
                 changed[start : start + length] = share
                 assert march(coarse, changed).peak > peak - 1e-6
+
+
+def test_behind_the_peak_the_damping_of_a_descent_returns_to_passive(coarse):
+    own = coarse.shares(7e3)
+    lowered = Descent(coarse).lower(Try(own, NOT_SOLVED))
+    found = lowered._replace(shares=np.where(coarse.positions > 15, 1.0, lowered.shares))
+    calm = _calmed(coarse, found, own)
+    assert march(coarse, calm.shares).peak <= march(coarse, found.shares).peak
+    changed = np.flatnonzero(calm.shares != found.shares)
+    assert calm.shares[changed[0] :].tolist() == own[changed[0] :].tolist()
+    assert coarse.positions[changed[0]] > 5  # m, with a peak near mid-span
+    solved = found._replace(status="Solve_Succeeded")
+    assert _calmed(coarse, solved, own) is solved
 
 
 def test_a_descent_that_begins_at_its_end_keeps_the_damping_and_its_status(coarse):

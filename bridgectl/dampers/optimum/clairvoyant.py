@@ -20,12 +20,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import replace
 from itertools import product
 from typing import Any, NamedTuple, overload
 
-import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -35,17 +33,17 @@ from bridgectl._plausible import judge_crossing
 from bridgectl._progress import track
 from bridgectl._warn import warn
 from bridgectl._workers import in_processes
-from bridgectl.dampers.actuator import Damper, with_damping
+from bridgectl.dampers.actuator import with_damping
 from bridgectl.dampers.costate import costate_of
 from bridgectl.dampers.fitted import fitted
 from bridgectl.dampers.gains import damping_bounds
 from bridgectl.dampers.legs import Legs, require_dampers
 from bridgectl.dampers.loop.damped import simulate_run
 from bridgectl.dampers.loop.result import LoopResult
-from bridgectl.dampers.optimum.descent import Descent
+from bridgectl.dampers.optimum.descent import LOWERED, Descent
+from bridgectl.dampers.optimum.result import Clairvoyant
 from bridgectl.dampers.optimum.solver import NOT_SOLVED, Solver, Try
 from bridgectl.dampers.optimum.steps import Steps, join, march
-from bridgectl.dampers.strategy import Strategy
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import Run
 from bridgectl.linear.start import begin
@@ -72,69 +70,8 @@ SAME = 1e-5
 """Peaks that differ by less [-] are the same. IPOPT's damping is taken then, which stays near the
 passive one where it matters to nobody."""
 
-EARLIER = 1e-6
-"""How far before an interval's start its damping is given [m]: places of samples are rounded."""
-
-
-@dataclass(frozen=True, eq=False)
-class Clairvoyant:
-    """The damping of the least peak moment, found by `clairvoyant`.
-
-    Attributes
-    ----------
-    daf : float
-        Peak moment over the peak static one [-], by `simulate_loop` with this damping.
-    passive_daf : float
-        The same [-] with the vehicle's own damping, kept within the damper's range.
-    positions : ndarray, shape (n,)
-        Where the intervals start [m].
-    damping : ndarray, shape (n,), or (n_dampers, n) of several
-        Damping held from there [N s/m].
-    step : float
-        Time that it is held [s].
-    c_min, c_max : float
-        Bounds of the damping [N s/m].
-    status : str
-        What the solver said of the solution that was taken, or that it is the descent's. The
-        numbers above do not depend on it.
-    offsets : ndarray, shape (n_dampers,)
-        How far each damper is behind the reference tire [m], whose places `positions` are.
-    ipopt_daf, descent_daf : float
-        DAF [-] of the best that IPOPT finds from passive and bridgehook, and of the best of the
-        descent over blocks, polished by IPOPT. `daf` is the better of them.
-    """
-
-    daf: float
-    passive_daf: float
-    positions: FloatArray
-    damping: FloatArray
-    step: float
-    c_min: float
-    c_max: float
-    status: str
-    offsets: FloatArray = field(default_factory=lambda: np.zeros(1))
-    ipopt_daf: float = np.nan
-    descent_daf: float = np.nan
-
-    def __repr__(self) -> str:
-        return (
-            f"Clairvoyant(DAF {self.daf:.4f}, passive {self.passive_daf:.4f}, "
-            f"{self.damping.size} dampings from x = {self.positions[0]:.4g} m to "
-            f"{self.positions[-1]:.4g} m held {self.step * 1e3:g} ms, c from {self.c_min:g} to "
-            f"{self.c_max:g} N s/m)"
-        )
-
-    @cached_property
-    def damper(self) -> Damper | list[Damper]:
-        """The damping as an open-loop damper, for `simulate_loop` at the same speed and start.
-
-        Of several dampers a list of one for each.
-        """
-        each = [
-            _open_loop(self.positions - behind, own, self.step, self.c_min, self.c_max)
-            for behind, own in zip(self.offsets, np.atleast_2d(self.damping), strict=True)
-        ]
-        return each[0] if len(each) == 1 else each
+MOST_ENDS = 41
+"""Places from which on the passive damping is tried behind the peak."""
 
 
 class _Job(NamedTuple):
@@ -347,7 +284,21 @@ def _tries(
     yield solved
     lowered = [descent.lower(Try(shares, NOT_SOLVED)) for shares in (passive, hook)]
     polished = [solver.solve(each.shares) for each in lowered]
-    yield [descent.lower(_lowest([*solved, *polished, *lowered], steps)[0])]
+    yield [
+        _calmed(steps, descent.lower(_lowest([*solved, *polished, *lowered], steps)[0]), passive)
+    ]
+
+
+def _calmed(steps: Steps, found: Try, passive: FloatArray) -> Try:
+    """Return to passive where a descent's damping matters to nobody: behind the peak."""
+    if found.status != LOWERED:
+        return found
+    peak, n = march(steps, found.shares).peak, len(steps.positions)
+    for first in np.linspace(0, n, MOST_ENDS).astype(int):
+        calm = np.where(np.arange(n).repeat(len(steps.masses)) < first, found.shares, passive)
+        if march(steps, calm).peak <= peak:
+            break
+    return found._replace(shares=calm)
 
 
 def _bridgehook_shares(
@@ -363,21 +314,3 @@ def _bridgehook_shares(
         return float(own[i]) if past[i] else float(sigma[i] * v < 0)
 
     return march(steps, choose).shares
-
-
-def _open_loop(
-    positions: FloatArray, damping: FloatArray, held: float, c_min: float, c_max: float
-) -> Damper:
-    """Damping over position, sampled where its intervals start.
-
-    Read from a table: `bridgectl.dampers.program`, a choice for each of hundreds of places, takes
-    ten times as long.
-    """
-    x = ca.MX.sym("x")
-    place = ca.low(ca.DM(np.append(positions - EARLIER, np.inf)), x)
-    table = ca.Function("held", [x], [ca.MX(ca.DM(damping))[place]], {"never_inline": True})
-
-    def law(s: Any, g: Any) -> Any:
-        return table(s.position) if np.ptp(damping) else damping[0] + 0 * s.position
-
-    return Damper(Strategy("clairvoyant", law, c_min, c_max), sample_time=held)
