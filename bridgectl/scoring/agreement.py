@@ -58,7 +58,7 @@ class GapClosed(NamedTuple):
     """How much of the way from one damper to the best one a strategy goes, made by `gap_closed`."""
 
     share: float
-    """1 where it is as good as the best, 0 as the first: a ratio of means over the roads.
+    """1 where it is as good as the best, 0 as the first [-]: a ratio of means over the roads.
 
     NaN where those two are too close.
     """

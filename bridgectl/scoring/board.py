@@ -72,8 +72,8 @@ class Scoreboard:
         By class, the surface of every strategy with ramps both ways of the class's height. None
         of a class whose ramp is higher than long.
     optimum : mapping of str to ndarray, shape (n_roads, n_speeds)
-        Simulated measures with the clairvoyant damper, the best that was found with all of the road
-        known; empty if it was not asked for.
+        Every simulated measure with the clairvoyant damper, the best that was found with all of the
+        road known: see `bridgectl.scoring.rows.MEASURES`; empty if it was not asked for.
 
     Examples
     --------
