@@ -9,7 +9,7 @@ import pytest
 from test_whole_vehicles import half_car
 
 import bridgectl as bc
-from bridgectl.dampers import clairvoyant, passive
+from bridgectl.dampers import clairvoyant, passive, simulate_loop
 from bridgectl.dampers.optimum import descent as room
 from bridgectl.dampers.optimum.clairvoyant import _calmed
 from bridgectl.dampers.optimum.descent import Descent
@@ -156,3 +156,34 @@ def test_a_list_with_what_is_no_road_is_refused(bridge, truck, roads):
         clairvoyant(bridge, truck, 25.0, [roads[0], 3], SOFT, STIFF)
     with pytest.raises(ValueError, match="speeds must be above 0 m/s, got -1"):
         clairvoyant(bridge, truck, [25.0, -1.0], roads, SOFT, STIFF)
+
+
+def ride_of(bridge, vehicle, damper, road):
+    """Largest rms body acceleration of the legs [m/s^2], by the closed loop."""
+    loop = simulate_loop(
+        bridge, vehicle, damper, 25.0, road.x, road.elevation, record=["body_acceleration"],
+    )  # fmt: skip
+    history = loop.histories[0]["body_acceleration"]
+    return np.sqrt((history**2).mean(axis=-1)).max()
+
+
+@pytest.mark.parametrize("several", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_a_limited_ride_is_kept_and_costs_some_of_the_gain(bridge, truck, roads, several):
+    """Within 2 % of the limit by the closed loop, whose accelerations are no means of steps."""
+    vehicle = half_car(np.random.default_rng(4), 3e4) if several else truck
+    given = bridge, vehicle, 25.0, roads[0], SOFT, STIFF
+    best = clairvoyant(*given, start=START, step=0.02)
+    whole = ride_of(bridge, vehicle, best.damper, roads[0])
+    limited = clairvoyant(*given, start=START, step=0.02, ride=0.8 * whole)
+    assert ride_of(bridge, vehicle, limited.damper, roads[0]) < 0.8 * whole * 1.02
+    assert best.daf + 1e-4 < limited.daf < limited.passive_daf
+    loose = clairvoyant(*given, start=START, step=0.02, ride=10 * whole)
+    assert loose.daf == pytest.approx(best.ipopt_daf, abs=1e-3)
+
+
+def test_a_ride_that_no_damping_keeps_is_refused(bridge, truck, roads):
+    given = bridge, truck, 25.0, roads[0]
+    with pytest.raises(ValueError, match=r"ride must be one that .* got 1e-06 m/s\^2: type for"):
+        clairvoyant(*given, 7e3, 7e3, start=START, step=0.1, ride=1e-6)
+    with pytest.raises(ValueError, match="ride must be above 0"):
+        clairvoyant(*given, SOFT, STIFF, ride=0.0)

@@ -42,6 +42,7 @@ from bridgectl.dampers.loop.damped import simulate_run
 from bridgectl.dampers.loop.result import LoopResult
 from bridgectl.dampers.optimum.descent import LOWERED, Descent
 from bridgectl.dampers.optimum.result import Clairvoyant
+from bridgectl.dampers.optimum.ride import RideLimit
 from bridgectl.dampers.optimum.solver import NOT_SOLVED, Solver, Try
 from bridgectl.dampers.optimum.steps import Steps, join, march
 from bridgectl.linear.lift_off import LiftOffWarning
@@ -85,14 +86,15 @@ class _Job(NamedTuple):
     step: float
     c_min: float
     c_max: float
+    ride: float | None
 
 
 @overload
 def clairvoyant(
     beam: BridgeModel, vehicle: Vehicle | QuarterCar, speed: float, road: RoadProfile,
     c_min: float, c_max: float, *, start: float = ..., step: float = ..., section: float = ...,
-    recovery: str = ..., effect: Effect | str = ..., workers: int | None = ...,
-    progress: bool = ...,
+    recovery: str = ..., effect: Effect | str = ..., ride: float | None = ...,
+    workers: int | None = ..., progress: bool = ...,
 ) -> Clairvoyant: ...  # fmt: skip
 
 
@@ -101,7 +103,7 @@ def clairvoyant(
     beam: BridgeModel, vehicle: Vehicle | QuarterCar, speed: ArrayLike,
     road: RoadProfile | Sequence[RoadProfile], c_min: float, c_max: float, *, start: float = ...,
     step: float = ..., section: float = ..., recovery: str = ..., effect: Effect | str = ...,
-    workers: int | None = ..., progress: bool = ...,
+    ride: float | None = ..., workers: int | None = ..., progress: bool = ...,
 ) -> Any: ...  # fmt: skip
 
 
@@ -118,6 +120,7 @@ def clairvoyant(
     section: float = 0.5,
     recovery: str = "exact",
     effect: Effect | str = "moment",
+    ride: float | None = None,
     workers: int | None = None,
     progress: bool = True,
 ) -> Any:
@@ -142,6 +145,9 @@ def clairvoyant(
         Where the vehicle starts in equilibrium [m]: 0, or negative for a start on the approach.
     step : float, optional
         Time that the damping is held [s].
+    ride : float, optional
+        Largest rms body acceleration [m/s^2] from the start to the end of the bridge, above each
+        leg, which IPOPT then keeps; the descent does not go with it. Default: any.
     workers : int, optional
         Processes at work on several crossings: see `bridgectl.score`.
     progress : bool, optional
@@ -193,9 +199,10 @@ def clairvoyant(
     check.flag("progress", progress)
     crossing = replace(passing, vehicle=with_damping(vehicle, 0.0))
     held = check.positive("step", step, unit="s")
+    most = None if ride is None else check.positive("ride", ride, unit="m/s^2")
     runs = [begin(passing, each, start, speeds)._replace(crossing=crossing) for each in roads]
     judge_crossing(crossing, speeds, *roads)
-    jobs = [(_Job(run, vehicle, float(c), held, soft, stiff),) for c, run in product(speeds, runs)]
+    jobs = [(_Job(run, vehicle, c, held, soft, stiff, most),) for c, run in product(speeds, runs)]
     found = np.empty(len(jobs), dtype=object)
     flights = 0
     with closing(in_processes(_optimum, jobs, workers)) as done:
@@ -219,10 +226,10 @@ def _warn_of_flights(flights: int, total: int) -> None:
 
 def _optimum(job: _Job) -> tuple[Clairvoyant, bool]:
     """Find the optimum of one crossing, and tell whether its tire leaves the road."""
-    run, vehicle, c, held, soft, stiff = job
-    crossing = run.crossing
-    own = np.clip(vehicle.linear.damper_dampings, soft, stiff)
-    offsets = Legs(vehicle.linear).offsets
+    run, vehicle, c, held, soft, stiff, most = job
+    crossing, legs = run.crossing, Legs(vehicle.linear)
+    own, offsets = np.clip(vehicle.linear.damper_dampings, soft, stiff), legs.offsets
+    ride = None if most is None else RideLimit(legs.body, most)
 
     def simulate(damping: FloatArray, status: str) -> tuple[Clairvoyant, LoopResult]:
         rows = _of_dampers(damping, len(own))
@@ -234,7 +241,7 @@ def _optimum(job: _Job) -> tuple[Clairvoyant, bool]:
 
     for longest in STEPS:
         steps = join(run, c, held, longest, soft, stiff)
-        each = [_lowest(tries, steps) for tries in _tries(steps, vehicle, crossing, c, own)]
+        each = [_lowest(tries, steps) for tries in _tries(steps, vehicle, crossing, c, own, ride)]
         simulated = [simulate(steps.damping(best.shares), best.status) for best, _ in each[:1]]
         for best, _ in each[1:]:
             same = best is each[0][0]
@@ -252,7 +259,8 @@ def _optimum(job: _Job) -> tuple[Clairvoyant, bool]:
         )
     ipopt, descent = (found.daf for found, _ in (simulated[0], simulated[-1]))
     kept, _ = simulate(np.tile(own, len(steps.positions)), NOT_SOLVED)
-    if crossing.orientation * (kept.daf - result.daf) <= 0:
+    free = ride is None or ride.kept(steps, march(steps, steps.shares(own)))
+    if free and crossing.orientation * (kept.daf - result.daf) <= 0:
         result = kept
     return replace(result, passive_daf=kept.daf, ipopt_daf=ipopt, descent_daf=descent), flies
 
@@ -270,18 +278,37 @@ def _of_dampers(values: FloatArray, count: int) -> FloatArray:
 
 
 def _tries(
-    steps: Steps, vehicle: Vehicle | QuarterCar, crossing: Crossing, speed: float, own: FloatArray
+    steps: Steps,
+    vehicle: Vehicle | QuarterCar,
+    crossing: Crossing,
+    speed: float,
+    own: FloatArray,
+    ride: RideLimit | None,
 ) -> Iterator[list[Try]]:
-    """What IPOPT starts from and finds, and then what the descent does, unless nothing is free."""
+    """What IPOPT starts from and finds, and then what the descent does, unless nothing is free.
+
+    Of a limited ride: what keeps it of the former alone.
+    """
     passive = steps.shares(own)
     hook = _bridgehook_shares(steps, vehicle, crossing, speed, passive)
     plain = [Try(shares, NOT_SOLVED) for shares in (passive, 0 * passive, 0 * passive + 1, hook)]
-    if steps.c_min == steps.c_max:
-        yield plain
-        return
-    solver, descent = Solver(steps, passive), Descent(steps)
-    solved = [*plain, solver.solve(passive), solver.solve(hook)]
+    fixed = steps.c_min == steps.c_max
+    solver = None if fixed else Solver(steps, passive, ride)
+    solved = [*plain, *(solver.solve(each) for each in (passive, hook) if solver)]
+    if ride is not None:
+        runs = [march(steps, each.shares) for each in solved]
+        fit = [each for each, run in zip(solved, runs, strict=True) if ride.kept(steps, run)]
+        if not fit:
+            raise ValueError(
+                f"ride must be one that dampings from {steps.c_min:g} to {steps.c_max:g} N s/m can "
+                f"keep, got {ride.most:g} m/s^2: type for example ride="
+                f"{1.01 * min(ride.of(steps, run) for run in runs):.3g}"
+            )
+        solved = fit
     yield solved
+    if solver is None or ride is not None:
+        return
+    descent = Descent(steps)
     lowered = [descent.lower(Try(shares, NOT_SOLVED)) for shares in (passive, hook)]
     polished = [solver.solve(each.shares) for each in lowered]
     yield [
