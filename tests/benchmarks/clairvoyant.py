@@ -43,7 +43,8 @@ def main():
     hook = simulate_loop(beam, truck, bridgehook(beam, truck, SOFT, STIFF), SPEEDS, STATIONS, roads)
     print(f"Mean DAF of {n_roads} class A roads")
     print(
-        "km/h  passive  bridgehook  IPOPT alone  clairvoyant  closed by bridgehook  s/crossing (most)"
+        "km/h  passive  bridgehook  IPOPT alone  clairvoyant  closed by bridgehook"
+        "  s/crossing (most)"
     )
     for speed, hooked in zip(SPEEDS, hook.daf.mean(axis=1), strict=True):
         found, times = optima(beam, truck, speed, roads)
