@@ -158,24 +158,27 @@ def test_a_list_with_what_is_no_road_is_refused(bridge, truck, roads):
         clairvoyant(bridge, truck, [25.0, -1.0], roads, SOFT, STIFF)
 
 
-def ride_of(bridge, vehicle, damper, road):
-    """Largest rms body acceleration of the legs [m/s^2], by the closed loop."""
+def ride_of(bridge, vehicle, best, road):
+    """Largest rms body acceleration of the legs [m/s^2], by the closed loop at every 1 ms."""
+    dampers = best.damper if isinstance(best.damper, list) else [best.damper]
     loop = simulate_loop(
-        bridge, vehicle, damper, 25.0, road.x, road.elevation, record=["body_acceleration"],
+        bridge, vehicle, [replace(each, sample_time=1e-3) for each in dampers], 25.0, road.x,
+        road.elevation, record=["body_acceleration"],
     )  # fmt: skip
+    assert loop.daf[0, 0] == pytest.approx(best.daf, abs=1e-5)
     history = loop.histories[0]["body_acceleration"]
     return np.sqrt((history**2).mean(axis=-1)).max()
 
 
 @pytest.mark.parametrize("several", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_limited_ride_is_kept_and_costs_some_of_the_gain(bridge, truck, roads, several):
-    """Within 2 % of the limit by the closed loop, whose accelerations are no means of steps."""
+    """Within 1 % of the limit by the closed loop, whose accelerations are no means of steps."""
     vehicle = half_car(np.random.default_rng(4), 3e4) if several else truck
     given = bridge, vehicle, 25.0, roads[0], SOFT, STIFF
     best = clairvoyant(*given, start=START, step=0.02)
-    whole = ride_of(bridge, vehicle, best.damper, roads[0])
+    whole = ride_of(bridge, vehicle, best, roads[0])
     limited = clairvoyant(*given, start=START, step=0.02, ride=0.8 * whole)
-    assert ride_of(bridge, vehicle, limited.damper, roads[0]) < 0.8 * whole * 1.02
+    assert ride_of(bridge, vehicle, limited, roads[0]) < 0.8 * whole * 1.01
     assert best.daf + 1e-4 < limited.daf < limited.passive_daf
     loose = clairvoyant(*given, start=START, step=0.02, ride=10 * whole)
     assert loose.daf == pytest.approx(best.ipopt_daf, abs=1e-3)
