@@ -46,8 +46,8 @@ CALLS = {
     "clairvoyant": (
         dampers.clairvoyant,
         CASE | BOUNDS | {"speed": 25.0, "road": bc.RoadProfile(X, LEVEL), "start": 0.0,
-                         "step": 0.1, "section": 0.5, "recovery": "exact"},
-        {},
+                         "step": 0.1, "section": 0.5, "recovery": "exact", "ride": 1.0},
+        {"ride": [None]},
     ),
     "program": (dampers.program, {"positions": [0.0], "dampings": [1e3], "shape": "steps"}, {}),
     "preset": (dampers.preset, BOUNDS | {"n_dampings": 3}, {}),

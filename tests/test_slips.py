@@ -255,6 +255,9 @@ SLIPS = {
         ],
         "speeds": SPEEDS, "approach": slips_of_numbers("approach", least="0 or more"),
         "departure": slips_of_numbers("departure", least="0 or more"),
+        "clairvoyant": [
+            (slip, said.replace("progress", "clairvoyant")) for slip, said in PROGRESS
+        ],
         "resume": [(3, "resume must name a file.*type resume=")],
         "workers": [
             (0, "workers must be 1 or more"), ("2", "workers must be a whole.*without quotes"),

@@ -72,6 +72,9 @@ def add_score_options(parser: argparse.ArgumentParser) -> None:
     options.add_option(parser, "--departure", "M", text, options.as_number, 0.0)
     text = "random roads of ISO 8608 class A, and as many of class B (default 6)"
     options.add_option(parser, "--random", "N", text, options.as_whole, 6)
+    text = "find the optimum with all of the road known, too, and the share of the gap to it that "
+    text += "each strategy closes: some seconds for each road and speed"
+    parser.add_argument("--clairvoyant", action="store_true", help=text)
     _add_damper_options(parser)
     bridges.add_bridge_options(parser)
     options.add_vehicle_options(parser)
@@ -118,7 +121,8 @@ def run_score(args: argparse.Namespace) -> None:
         board = bc.score(
             dampers, beam, vehicle, over, speeds, approach=args.approach,
             departure=args.departure, section=args.section, recovery=args.recovery,
-            resume=args.resume, workers=args.workers, scheduler=args.scheduler,
+            clairvoyant=args.clairvoyant, resume=args.resume, workers=args.workers,
+            scheduler=args.scheduler,
         )  # fmt: skip
     from bridgectl.scoring.text import print_score
 

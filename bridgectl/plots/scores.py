@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -29,12 +30,22 @@ from bridgectl.plots.style import (
 DAF_LABEL = "mean DAF [-]"
 
 RIDE = ("body_acceleration", "body acceleration, rms [m/s²]")
+WEIGHTED_RIDE = ("weighted_acceleration", "body acceleration weighted by W_k, rms [m/s²]")
 TIRE_FORCE = ("dynamic_load_coefficient", "dynamic load coefficient [-]")
 
 CONSTANT = "constant dampers"
 
+CLAIRVOYANT = "clairvoyant"
+"""What the optimum is called."""
+
+PREVIEW = re.compile(r"preview.*?([\d.]+) m")
+"""Names of strategies that see the road ahead, with how far [m]."""
+
 FEW = 15
 """Curves of fewer points than this show them."""
+
+
+OPTIMUM: Any = {"color": TRACKS[4], "ms": 9}
 
 
 class _Look(NamedTuple):
@@ -57,6 +68,9 @@ def score_figure(board: BoardShown) -> Figure:
     both signs raise or lower the DAF for the best, the first and the worst strategy: the area under
     a line is what the class adds to the DAF of a smooth road. If no class has a surface: Eq. (15)
     over the speed instead.
+
+    If the clairvoyant optimum is known it is a point above and a line below; ride is then weighted
+    by W_k. Strategies that differ in how far they see the road ahead are joined.
     """
     figure = Figure(figsize=(11.5, 9.8))
     looks = _looks(board)
@@ -65,12 +79,17 @@ def score_figure(board: BoardShown) -> Figure:
         "left": 0.07, "right": 0.985, "top": 0.955, "bottom": 0.54, "wspace": 0.17})  # fmt: skip
     below = figure.subplots(1, 3 if board.surfaces else 2, gridspec_kw={
         "left": 0.07, "right": 0.985, "top": 0.38, "bottom": 0.06, "wspace": 0.27})  # fmt: skip
-    for ax, (measure, label) in zip(above, (RIDE, TIRE_FORCE), strict=True):
+    ride = WEIGHTED_RIDE if board.optimum else RIDE
+    for ax, (measure, label) in zip(above, (ride, TIRE_FORCE), strict=True):
         _draw_points(ax, board, measure, looks)
         ax.set_ylabel(label)
     above[0].set_title("bridge and ride: lower left is better")
     above[1].set_title("bridge and tire force: lower left is better")
     _draw_speeds(below[0], board, "daf", looks)
+    if board.optimum:
+        order = np.argsort(board.speeds)
+        y = board.optimum["daf"].mean(axis=0)[order]
+        below[0].plot(to_kmh(board.speeds[order]), y, "P:", label=CLAIRVOYANT, **OPTIMUM)
     below[0].set_title("simulated DAF, mean over the roads")
     below[0].set_ylabel("mean DAF [-]")
     if board.surfaces:
@@ -86,6 +105,9 @@ def score_figure(board: BoardShown) -> Figure:
     ]  # fmt: skip
     if np.isfinite(board.dampings).sum() > 1:
         handles.append(Line2D([], [], color=GREY, lw=1.4, marker="o", ms=4, label=CONSTANT))
+    if board.optimum:
+        told = f"{CLAIRVOYANT}: the best that was found"
+        handles.append(Line2D([], [], marker="P", ls=":", label=told, **OPTIMUM))
     if len(looks) < len(board.strategies):
         handles.append(Line2D([], [], color=GREY, lw=0.8, label="others"))
     figure.legend(handles=handles, loc="center", bbox_to_anchor=(0.52, 0.455), ncols=3,
@@ -135,12 +157,21 @@ def _draw_points(ax: Axes, board: BoardShown, measure: str, looks: dict[str, _Lo
     locus = points[constant]
     if len(constant):
         ax.plot(*locus.T, "o-", color=GREY, lw=1.4, ms=4, label=CONSTANT, zorder=2)
+    found = {i: PREVIEW.search(name) for i, name in enumerate(board.strategies)}
+    ahead = sorted((float(seen[1]), i) for i, seen in found.items() if seen)
+    if len(ahead) > 1:
+        line = points[[i for _, i in ahead]]
+        ax.plot(*line.T, "-", color=BLUE, lw=1.2, zorder=2, label="preview distances")
     others = [i for i, name in enumerate(board.strategies)
               if name not in looks and i not in constant]  # fmt: skip
     ax.plot(*points[others].T, "o", color=BLACK, mfc="white", ms=5.5, zorder=3, label="strategies")
     for name, look in looks.items():
         place = points[board.strategies.index(name)]
         ax.plot(*place, look.marker, color=look.color, ms=_size(look), zorder=4, label=name)
+    if board.optimum:
+        best = [board.optimum[name].mean() for name in ("daf", measure)]
+        points = np.vstack([points, best])
+        ax.plot(*best, "P", zorder=4, label=CLAIRVOYANT, **OPTIMUM)
     ax.margins(x=0.11, y=0.09)
     ax.set_xlabel(DAF_LABEL)
     # Limits that are fixed now: labels are placed by them.
@@ -148,10 +179,12 @@ def _draw_points(ax: Axes, board: BoardShown, measure: str, looks: dict[str, _Lo
     ends = {int(i) for i in constant[[0, -1]]} if len(constant) else set()
     told = [i for i, name in enumerate(board.strategies)
             if i not in constant or i in ends or name in looks]  # fmt: skip
-    label_points(
-        ax, points[told], [_label(board, i) for i in told], obstacles=points, curve=locus,
-        colors=[_color(board.strategies[i], looks) for i in told],
-    )  # fmt: skip
+    texts = [_label(board, i) for i in told]
+    colors = [_color(board.strategies[i], looks) for i in told]
+    if board.optimum:
+        told, texts = [*told, len(points) - 1], [*texts, CLAIRVOYANT]
+        colors.append(OPTIMUM["color"])
+    label_points(ax, points[told], texts, obstacles=points, curve=locus, colors=colors)
 
 
 def _label(board: BoardShown, i: int) -> str:

@@ -54,6 +54,43 @@ def paired(differences: FloatArray) -> Paired:
     return Paired(mean, mean - reach, mean + reach)
 
 
+class GapClosed(NamedTuple):
+    """How much of the way from one damper to the best one a strategy goes, made by `gap_closed`."""
+
+    share: float
+    """1 where it is as good as the best, 0 as the first [-]: a ratio of means over the roads.
+
+    NaN where those two are too close.
+    """
+    low: float
+    """Lower end of its 95 % interval, of roads drawn again."""
+    high: float
+    """Upper end of the 95 % interval; NaN, as the lower one, for a single road."""
+
+    def __repr__(self) -> str:
+        return (
+            f"GapClosed({self.share:.3f}, {CONFIDENCE:.0%} from {self.low:.3f} to {self.high:.3f})"
+        )
+
+
+LEAST_GAP = 2e-3
+"""Least difference of mean DAFs [-] of which shares mean something: optima are as sure as that."""
+
+
+def gap_closed(first: FloatArray, own: FloatArray, best: FloatArray) -> GapClosed:
+    """Return (first - own) / (first - best) of means over roads; all have shape (n_roads,)."""
+    gains, gaps, n = first - own, first - best, len(first)
+    if abs(gaps.mean()) < LEAST_GAP:
+        return GapClosed(math.nan, math.nan, math.nan)
+    share = float(gains.mean() / gaps.mean())
+    if n < 2:
+        return GapClosed(share, math.nan, math.nan)
+    draws = np.random.default_rng(SEED).integers(n, size=(N_DRAWS, n))
+    shares = gains[draws].mean(axis=1) / gaps[draws].mean(axis=1)
+    ends = np.percentile(shares, [50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)])
+    return GapClosed(share, *map(float, ends))
+
+
 def rank_correlation(first: FloatArray, second: FloatArray) -> float:
     """Return Spearman's rank correlation; NaN where all values of one are the same."""
     from scipy.stats import spearmanr

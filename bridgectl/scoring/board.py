@@ -20,8 +20,11 @@ from bridgectl.model.bridge import BridgeModel, described
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.scoring.agreement import (
+    LEAST_GAP,
+    GapClosed,
     Paired,
     agreement,
+    gap_closed,
     over_roads,
     paired,
     pairs_in_order,
@@ -68,6 +71,9 @@ class Scoreboard:
     surfaces : mapping of str to tuple of RampSurface
         By class, the surface of every strategy with ramps both ways of the class's height. None
         of a class whose ramp is higher than long.
+    optimum : mapping of str to ndarray, shape (n_roads, n_speeds)
+        Every simulated measure with the clairvoyant damper, the best that was found with all of the
+        road known: see `bridgectl.scoring.rows.MEASURES`; empty if it was not asked for.
 
     Examples
     --------
@@ -94,6 +100,7 @@ class Scoreboard:
     approach: float
     road_classes: tuple[str, ...] = ()
     surfaces: Mapping[str, tuple[RampSurface, ...]] = field(default_factory=dict, repr=False)
+    optimum: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
         kmh = to_kmh(self.speeds)
@@ -133,6 +140,39 @@ class Scoreboard:
         per_road = self.values[measure].mean(axis=2)
         other = self.strategies[0] if baseline is None else baseline
         return paired(per_road[self._index(strategy)] - per_road[self._index(other)])
+
+    def gap_closed(self, strategy: str, speed: float | None = None) -> GapClosed:
+        """Return how much of the way from the first strategy to the optimum a strategy goes.
+
+        Parameters
+        ----------
+        strategy : str
+            The strategy.
+        speed : float, optional
+            One of the speeds [m/s]. Default: DAFs are averaged over the speeds.
+
+        Returns
+        -------
+        GapClosed
+            NaN where the mean DAFs of those two are within 0.002, and without an optimum.
+
+        Raises
+        ------
+        ValueError
+            If strategy or speed is unknown.
+        """
+        own = self._index(strategy)
+        if not self.optimum:
+            return GapClosed(math.nan, math.nan, math.nan)
+        which = np.ones(self.speeds.size, dtype=bool)
+        if speed is not None:
+            which = np.isclose(self.speeds, check.number("speed", speed, unit="m/s"))
+            if not which.any():
+                raise ValueError(
+                    f"speed must be one of the board's, {self.speeds.tolist()} m/s, got {speed:g}"
+                )
+        dafs = self.values["daf"][0], self.values["daf"][own], self.optimum["daf"]
+        return gap_closed(*(daf[:, which].mean(axis=1) for daf in dafs))
 
     def rows(self) -> list[Row]:
         """Return a summary of each strategy, the lowest mean DAF first."""
@@ -233,10 +273,14 @@ class Scoreboard:
             float(own["suspension_travel"].max()),
             float(own["least_force"].min()),
             float(own["switching_rate"].mean()),
+            self.gap_closed(self.strategies[i]),
         )
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return every measure as a table, one row for each strategy, road and speed.
+
+        If the optimum is known, with its DAF and how much of the gap to it is closed (NaN where it
+        is below 0.002).
 
         Raises
         ------
@@ -248,12 +292,23 @@ class Scoreboard:
         index = pd.MultiIndex.from_product(
             [self.strategies, self.roads, self.speeds], names=["strategy", "road", "speed"]
         )
-        return pd.DataFrame({name: v.ravel() for name, v in self.values.items()}, index)
+        columns = dict(self.values)
+        if self.optimum:
+            daf, best = self.values["daf"], self.optimum["daf"]
+            gap = np.where(abs(daf[0] - best) < LEAST_GAP, np.nan, daf[0] - best)
+            columns["daf_optimum"] = np.broadcast_to(best, daf.shape)
+            columns["gap_closed"] = (daf[0] - daf) / gap
+        return pd.DataFrame({name: v.ravel() for name, v in columns.items()}, index)
 
     def to_json(self) -> str:
         """Return all of it as JSON, with units in the names."""
         rows = [
-            {**row._asdict(), "daf_difference": row.daf_difference._asdict()} for row in self.rows()
+            {
+                **row._asdict(),
+                "daf_difference": row.daf_difference._asdict(),
+                "gap_closed": row.gap_closed._asdict(),
+            }
+            for row in self.rows()
         ]
         content = {
             "bridgectl": __version__,
@@ -267,6 +322,12 @@ class Scoreboard:
             "measures": MEASURES,
             "summary": rows,
             "values": {name: values.tolist() for name, values in self.values.items()},
+            "optimum": {name: values.tolist() for name, values in self.optimum.items()},
+            "gap_closed_by_speed": {
+                name: [self.gap_closed(name, c)._asdict() for c in self.speeds.tolist()]
+                for name in self.strategies
+                if self.optimum
+            },
             "daf_smooth": self.daf_smooth.tolist(),
             "road_classes": self.road_classes,
             "class_dae": {name: self._class_content(name) for name in self.surfaces},

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from bridgectl._units import to_kmh
-from bridgectl.scoring.agreement import Agreement, Paired, Pairs
+from bridgectl.scoring.agreement import Agreement, GapClosed, Paired, Pairs
 
 MEASURES = {
     "daf": "dynamic amplification factor [-]",
@@ -63,6 +63,8 @@ class Row(NamedTuple):
     """Least tire force of all roads and speeds over the static load [-]."""
     switching_rate: float
     """Switches of the damper [1/s]."""
+    gap_closed: GapClosed
+    """Of the DAF, from the first strategy to the clairvoyant optimum; NaN if that is not known."""
 
     def __repr__(self) -> str:
         return (

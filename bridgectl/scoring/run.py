@@ -24,9 +24,6 @@ from bridgectl._workers import check_scheduler, in_processes
 from bridgectl.dampers.fitted import Dampers, Fitted
 from bridgectl.dampers.loop.damped import RampsAndRoads, ramps_and_roads
 from bridgectl.dampers.loop.work import require_loop
-from bridgectl.measures import aggregate_fourth_power, dynamic_load_coefficient, weighted_rms
-from bridgectl.measures.history import largest, rms
-from bridgectl.measures.loads import CELL, road_stress_factor
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing, require_factor
 from bridgectl.model.effect import Effect
@@ -36,6 +33,15 @@ from bridgectl.road import RoadProfile
 from bridgectl.scoring.board import Scoreboard
 from bridgectl.scoring.classes import class_part, class_shapes, class_surface, n_class_ramps
 from bridgectl.scoring.rows import MEASURES
+from bridgectl.scoring.simulated import (
+    RECORDED,
+    SIMULATED,
+    Bounds,
+    bounds_of,
+    optimum_key,
+    optimum_part,
+    simulated,
+)
 from bridgectl.scoring.study import (
     ROADS_AT_ONCE,
     Piece,
@@ -57,10 +63,6 @@ KIND = Kind("a score", 3)
 UNIT = "unit ramps"
 """What a part has until the DAE is made of it."""
 
-RECORDED = ("tire_force", "body_acceleration", "suspension_travel")
-
-SIMULATED = tuple(name for name in MEASURES if not name.startswith("dae"))
-
 
 def score(
     dampers: Sequence[Dampers],
@@ -74,6 +76,7 @@ def score(
     section: float = 0.5,
     recovery: str = "exact",
     effect: Effect | str = "moment",
+    clairvoyant: bool = False,
     resume: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
@@ -99,6 +102,10 @@ def score(
     approach, departure : float, optional
         Road before and after the bridge [m] that is driven; the vehicle starts in equilibrium.
         Unit ramps lie on approach and bridge.
+    clairvoyant : bool, optional
+        Whether to find the optimum of each road and speed, too (`bridgectl.dampers.clairvoyant`,
+        within the range of all strategies together), and how much of the gap to it each strategy
+        closes: some seconds a crossing.
     resume : path-like, optional
         A file that keeps each part of the work when it is done. Parts of the same study that it
         holds are not done again, and those of other strategies and roads stay in it. A last line
@@ -151,6 +158,7 @@ def score(
     ('passive 7 kN s/m', 'skyhook')
     """
     check.flag("progress", progress)
+    check.flag("clairvoyant", clairvoyant)
     if workers is not None:
         check.integer("workers", workers, at_least=1)
     check_scheduler(scheduler)
@@ -169,23 +177,38 @@ def score(
         n_ramps=study.n_ramps + len(study.classes) * n_class_ramps(study.n_ramps),
         n_recorded=len(RECORDED), at_once=ROADS_AT_ONCE, announced=not shows(progress),
     )  # fmt: skip
-    tasks = {
-        (task_name(device, piece, len(roads)), key(device, study, piece)): (device, piece)
+    tasks: dict[tuple[str, str], tuple[Study, Fitted | Bounds, Piece]] = {
+        (task_name(device, piece, len(roads)), key(device, study, piece)):
+        (study.share(piece), device, piece)
         for device in devices
         for piece in study.pieces
-    }
-    shapes = {task: _shapes(study, piece) for task, (_, piece) in tasks.items()}
+    }  # fmt: skip
+    shapes = {task: _shapes(study, piece) for task, (_, _, piece) in tasks.items()}
+    bounds, optima = bounds_of(devices), []
+    for i in range(len(roads) if clairvoyant else 0):
+        own = study.of_road(i)
+        optima.append((f"clairvoyant, road {i + 1}", optimum_key(own, bounds)))
+        tasks[optima[-1]] = own, bounds, i
+        shapes[optima[-1]] = dict.fromkeys(SIMULATED, (1, len(study.speeds)))
     with Parts(resume, header(study), shapes, KIND) as parts:
         todo = [task for task in tasks if task not in parts]
-        jobs = [(study.share(tasks[task][1]), *tasks[task]) for task in todo]
+        jobs = [tasks[task] for task in todo]
         with closing(in_processes(_part, jobs, workers, scheduler)) as found:
             for index, part in track(
                 found, "Scoring strategies", len(tasks), show=progress,
                 before=len(tasks) - len(todo), unit="parts",
             ):  # fmt: skip
                 parts.keep(*todo[index], _with_dae(study, part))
-        done = {(device.name, piece): parts[task] for task, (device, piece) in tasks.items()}
-    return _scoreboard(study, devices, roads, done)
+        done = {
+            (device.name, piece): parts[task]
+            for task, (_, device, piece) in tasks.items()
+            if isinstance(device, Fitted)
+        }
+        of_roads = [parts[task] for task in optima]
+    optimum = {
+        name: np.concatenate([part[name] for part in of_roads]) for name in SIMULATED if of_roads
+    }
+    return _scoreboard(study, devices, roads, done, optimum)
 
 
 def _scoreboard(
@@ -193,6 +216,7 @@ def _scoreboard(
     devices: Sequence[Fitted],
     roads: Sequence[RoadProfile],
     done: Mapping[tuple[str, Piece], Part],
+    optimum: Part,
 ) -> Scoreboard:
     """Put the parts together, by strategy and piece."""
     names = tuple(device.name for device in devices)
@@ -216,7 +240,7 @@ def _scoreboard(
         tuple(road.name or f"road {i}" for i, road in enumerate(roads, 1)), study.speeds,
         {name: own[name] for name in MEASURES}, own["daf_smooth"], own["fourth_power_95"],
         study.beam, study.vehicle, study.approach,
-        study.road_classes, surfaces,
+        study.road_classes, surfaces, optimum,
     )  # fmt: skip
 
 
@@ -232,11 +256,15 @@ def _second_order(
     return found
 
 
-def _part(study: Study, damper: Fitted, piece: Piece) -> Part:
+def _part(study: Study, damper: Fitted | Bounds, piece: Piece) -> Part:
     """Score one strategy on a class, or on the study's roads: arrays (roads, speeds) of measures.
+
+    Of bounds: find the optimum on the study's only road.
 
     With the first roads come the surface's DAFs, of which `_with_dae` makes the DAE of all roads.
     """
+    if isinstance(damper, Bounds):
+        return optimum_part(study, damper)
     if isinstance(piece, str):
         return class_part(study.crossing, damper, study.speeds, study.approach, piece)
     ramps = np.arange(study.n_ramps if piece == 0 and damper.kept is None else 0)
@@ -244,13 +272,7 @@ def _part(study: Study, damper: Fitted, piece: Piece) -> Part:
         study.crossing, damper, study.speeds, study.stations, ramps,
         np.full(ramps.size, RAMP_HEIGHT), study.elevations, RECORDED,
     )  # fmt: skip
-    found = run.roads
-    part = {
-        "daf": found.daf.T,
-        "least_force": found.least_force.T,
-        "switching_rate": (found.switches / study.durations[:, np.newaxis]).T,
-        **_measure(study, damper, run),
-    }
+    part = simulated(study, damper, run)
     return part if piece else part | _unit_ramps(study, damper, run)
 
 
@@ -287,39 +309,3 @@ def _shapes(study: Study, piece: Piece) -> Shapes:
     own = len(study.share(piece).elevations)
     shapes = {**dict.fromkeys(SIMULATED, (own, n_speeds)), "fourth_power_95": (own,)}
     return shapes if piece else shapes | {"dae": (n_roads, n_speeds), "daf_smooth": (n_speeds,)}
-
-
-def _measure(study: Study, damper: Fitted, run: RampsAndRoads) -> Part:
-    """Measures of the histories: arrays (roads, speeds), and the roads' fourth power."""
-    vehicle = study.vehicle.linear
-    load, rows, fourth = vehicle.static_loads[:, np.newaxis], [], []
-    for speed, history in zip(study.speeds, run.roads.histories, strict=True):
-        # Of each tire or leg, (T or D, roads, samples).
-        force, ride, travel = (
-            each if each.ndim == 3 else each[np.newaxis] for each in (history[k] for k in RECORDED)
-        )
-        row = {
-            "dynamic_load_coefficient": dynamic_load_coefficient(force, load),
-            "tire_force_95": np.percentile(force, 95, axis=-1) / load,
-            "road_stress": road_stress_factor(force, load),
-            "body_acceleration": rms(ride),
-            "weighted_acceleration": weighted_rms(ride, damper.sample_time),
-            "suspension_travel": largest(travel),
-        }
-        rows.append({name: values.max(axis=0) for name, values in row.items()})
-        x = study.stations[0] + speed * damper.sample_time * np.arange(force.shape[2])
-        tires = x - vehicle.tire_offsets[:, np.newaxis]
-        # Longer than a sample's way.
-        cell = max(CELL, 2 * speed * damper.sample_time)
-        fourth.append(
-            [
-                aggregate_fourth_power(each, load[:, 0], tires, cell).values
-                for each in np.swapaxes(force, 0, 1)
-            ]
-        )
-    shortest = min(len(road) for roads in fourth for road in roads)
-    places = np.array([[road[:shortest] for road in roads] for roads in fourth]).mean(axis=0)
-    return {
-        **{name: np.array([row[name] for row in rows]).T for name in rows[0]},
-        "fourth_power_95": np.percentile(places, 95, axis=-1),
-    }

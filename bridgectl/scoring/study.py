@@ -92,6 +92,10 @@ class Study:
         own = slice(0) if isinstance(piece, str) else slice(piece, piece + ROADS_AT_ONCE)
         return dataclasses.replace(self, elevations=self.elevations[own])
 
+    def of_road(self, i: int) -> Study:
+        """The same of one road."""
+        return dataclasses.replace(self, elevations=self.elevations[i : i + 1])
+
     @property
     def pieces(self) -> list[Piece]:
         """What is done at once of each strategy."""

@@ -33,6 +33,13 @@ coefficient; R: tire force over the static load; R^4: what 95 % of the places st
 body acceleration, plain and weighted by ISO 2631-1 W_k.
 """
 
+OPTIMUM_NOTE = """\
+gap closed: how far the mean DAF goes from {first} to the clairvoyant,
+with its {confidence:g} % interval of roads drawn again; - where the two are within 0.002. The
+clairvoyant knows all of the road: no controller, but the best damping that was found for each road
+and speed.
+"""
+
 DAE_NOTE = """\
 DAE: from the strategy's own unit ramps; Eq. (15): of 1 mm, down; second order: down and up, of the
 height of the road's class. rms error: of DAE - DAF over roads and speeds; rank: Spearman's
@@ -66,6 +73,10 @@ def print_score(board: Board) -> None:
     console.print(_bridge_table(rows, first))
     note = BRIDGE_NOTE.format(first=first, confidence=100 * CONFIDENCE)
     console.print(note, soft_wrap=True)
+    if board.optimum:
+        console.print(_optimum_table(board, rows))
+        note = OPTIMUM_NOTE.format(first=first, confidence=100 * CONFIDENCE)
+        console.print(note, soft_wrap=True)
     console.print(_road_table(rows, first))
     console.print(ROAD_NOTE, soft_wrap=True)
     console.print(_dae_table(rows, first))
@@ -215,6 +226,23 @@ def _difference(difference: Paired) -> list[str]:
 def _signed(value: float) -> str:
     # No negative zero.
     return "-" if math.isnan(value) else f"{round(value, 4) + 0.0:+.4f}"
+
+
+def _optimum_table(board: Board, rows: Sequence[Row]) -> Table:
+    columns = ["strategy", "mean DAF", "gap\nclosed", "from\n(95 %)", "to\n(95 %)", "least",
+               "at\nkm/h"]  # fmt: skip
+    table = make_table("How near the clairvoyant optimum", columns, ["strategy"])
+    best = float(board.optimum["daf"].mean())
+    table.add_row("clairvoyant", f"{best:.4f}", *["-"] * 5)
+    for row in rows:
+        first = row.strategy == board.strategies[0]
+        shares = [(board.gap_closed(row.strategy, c).share, c) for c in board.speeds]
+        known = [each for each in shares if not math.isnan(each[0])]
+        least, speed = min(known, default=(math.nan, math.nan))
+        cells = [_known(value, 2) for value in (*row.gap_closed, least)]
+        cells = ["-"] * 5 if first else [*cells, f"{to_kmh(speed):g}" if known else "-"]
+        table.add_row(row.strategy, f"{row.daf:.4f}", *cells, style="bold" if first else None)
+    return table
 
 
 def _road_table(rows: Sequence[Row], first: str) -> Table:

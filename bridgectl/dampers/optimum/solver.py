@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from bridgectl._checks import FloatArray
+from bridgectl.dampers.optimum.ride import RideLimit
 from bridgectl.dampers.optimum.steps import Steps, march
 
 PULL = 1e-6
@@ -47,8 +48,8 @@ class Solver:
     the peak t.
     """
 
-    def __init__(self, steps: Steps, own: FloatArray) -> None:
-        self.steps, passive = steps, march(steps, own)
+    def __init__(self, steps: Steps, own: FloatArray, ride: RideLimit | None = None) -> None:
+        self.steps, self.ride, passive = steps, ride, march(steps, own)
         n = max(len(state) for state in passive.states)
         largest = np.max([np.pad(abs(x), (0, n - len(x))) for x in passive.states], axis=0)
         self.sizes = np.maximum(largest, SMALLEST)
@@ -57,7 +58,7 @@ class Solver:
         self.ends = np.cumsum([0, *(len(state) for state in passive.states[1:])])
         self.n_dampers, self.n_impulses = len(steps.masses), len(steps.held)
         self.n_shares = len(own)
-        self.solver, self.n_equal, self.n_moments = self._program(own)
+        self.solver, self.n_equal, self.n_below = self._program(own)
 
     def _program(self, own: FloatArray) -> tuple[Any, int, int]:
         steps = self.steps
@@ -76,10 +77,14 @@ class Solver:
             dynamics @ known + always, z - phi * v / self.impulse_size,
             moments @ known + moments_always - t,
         )  # fmt: skip
+        if self.ride is not None:
+            excess = self.ride.excess(steps, known, self.ends, self.sizes)
+            constraints = ca.vertcat(constraints, excess)
         cost = t + PULL / self.n_shares * ca.sumsqr(share - ca.DM(own))
         program: Any = {"x": ca.vertcat(known, share, t), "f": cost, "g": constraints}
         n_equal = dynamics.shape[0] + self.n_impulses
-        return ca.nlpsol("clairvoyant", "ipopt", program, SOLVER), n_equal, moments.shape[0]
+        n_below = constraints.shape[0] - n_equal
+        return ca.nlpsol("clairvoyant", "ipopt", program, SOLVER), n_equal, n_below
 
     def _assemble(self, blocks: list[FloatArray], ends: int) -> tuple[Any, Any]:
         """Stack maps of the steps into one of all states and impulses, and a constant.
@@ -119,7 +124,7 @@ class Solver:
         guess = np.concatenate([*states, run.impulses / self.impulse_size, shares, [run.peak]])
         low, high = np.full(len(guess), -np.inf), np.full(len(guess), np.inf)
         low[-1 - self.n_shares : -1], high[-1 - self.n_shares : -1] = 0.0, 1.0
-        lowest = np.append(np.zeros(self.n_equal), np.full(self.n_moments, -np.inf))
+        lowest = np.append(np.zeros(self.n_equal), np.full(self.n_below, -np.inf))
         found = self.solver(x0=guess, lbx=low, ubx=high, lbg=lowest, ubg=0.0)
         best = np.clip(np.array(found["x"])[-1 - self.n_shares : -1, 0], 0.0, 1.0)
         if not np.all(np.isfinite(best)):
