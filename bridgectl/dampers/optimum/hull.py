@@ -21,7 +21,7 @@ O. Shcherbina, Math. Program. 99 (2004) 283-296, for safe bounds.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import linprog
@@ -40,6 +40,9 @@ NARROW = 0.02
 INFEASIBLE = 2
 """Of `scipy.optimize.linprog`."""
 
+OPTIONS: Any = {"presolve": False}
+"""Of the solver HiGHS: programs are small and dense, and take half as long again with presolve."""
+
 
 class Program(NamedTuple):
     """Rows A x <= b of variables between bounds."""
@@ -51,15 +54,17 @@ class Program(NamedTuple):
 
     def least(self, cost: FloatArray) -> tuple[float, FloatArray | None, FloatArray]:
         """Bound of the least cost, a solution, and prices of the rows; infinite without one."""
-        found = linprog(
-            cost, A_ub=self.rows, b_ub=self.limits, bounds=np.stack([self.low, self.high], axis=1)
-        )
+        found = self._solve(cost)
         if found.status == INFEASIBLE:
             return np.inf if self._void() else -np.inf, None, np.zeros(len(self.limits))
         if found.x is None or found.ineqlin.marginals is None:  # numerical trouble: nothing known
             return -np.inf, None, np.zeros(len(self.limits))
         prices = -found.ineqlin.marginals
         return self.safe(cost, prices), found.x, prices
+
+    def _solve(self, cost: FloatArray) -> Any:
+        bounds = np.stack([self.low, self.high], axis=1)
+        return linprog(cost, self.rows, self.limits, bounds=bounds, options=OPTIONS)
 
     def safe(self, cost: FloatArray, prices: FloatArray) -> float:
         """Return the bound that prices prove: see the module's docstring."""
@@ -77,17 +82,14 @@ class Program(NamedTuple):
             np.column_stack([self.rows, -np.ones(m)]), self.limits,
             np.append(self.low, 0.0), np.append(self.high, 1e9),
         )  # fmt: skip
-        bounds = np.stack([eased.low, eased.high], axis=1)
-        found = linprog(np.eye(n + 1)[-1], A_ub=eased.rows, b_ub=eased.limits, bounds=bounds)
+        found = eased._solve(np.eye(n + 1)[-1])
         return found.x is not None and self.safe(np.zeros(n), -found.ineqlin.marginals) > 0
 
 
 class Relaxed(NamedTuple):
-    """The least peak of a relaxed crossing."""
+    """A solution of a relaxed crossing, if there is one; what counts for nothing in it is 0."""
 
-    bound: float
     impulses: FloatArray
-    """Of a solution; those that count for nothing are 0."""
     worth: FloatArray
     """How much of the bound each hull is to blame for: its price times how far w is outside."""
 
@@ -103,7 +105,7 @@ class Hull:
             self.low[k], self.high[k] = _range(rate, box)
             box[:, k] = self._box()[:, k]
         self.floor = _range(crossing.moments, box)[0].max()
-        """A bound of the peak."""
+        """A bound of the peak; infinite if none is at most the cut."""
 
     def branch(self, k: int) -> list[Hull]:
         """Both signs of a velocity."""
@@ -122,10 +124,13 @@ class Hull:
         return (self.low < 0) & (self.high > 0)
 
     def least_peak(self) -> Relaxed:
-        """Bound the peak; it is infinite if no damping has one up to the cut."""
+        """Raise `floor` to the bound of the peak, infinite if it cannot be at most the cut."""
+        nothing = np.zeros(len(self.low))
+        if self.floor == np.inf:
+            return Relaxed(nothing, nothing)
         n, moments, rows = self._program(self.floor)
-        if n == 0:
-            return Relaxed(self.floor, np.zeros(len(self.low)), np.zeros(len(self.low)))
+        if n == 0:  # no moment is above the floor
+            return Relaxed(nothing, nothing)
         of_peak = np.append(np.zeros(len(rows.limits)), -np.ones(len(moments)))
         program = Program(
             np.column_stack([np.vstack([rows.rows, moments[:, :n]]), of_peak]),
@@ -134,16 +139,16 @@ class Hull:
         )  # fmt: skip
         bound, found, prices = program.least(np.eye(n + 1)[-1])
         self.floor = max(self.floor, bound)
-        w = np.zeros(len(self.low))
         if found is None:
-            return Relaxed(self.floor, w, w)
+            return Relaxed(nothing, nothing)
+        w = nothing.copy()
         w[:n] = found[:n]
         v = self.crossing.rates[:, :-1] @ w + self.crossing.rates[:, -1]
         ends = np.sort([v, self.crossing.least * v], axis=0)
         outside = np.maximum(np.maximum(ends[0] - w, w - ends[1]), 0.0)
         price = np.zeros(len(w))
         price[:n] = prices[: 2 * n].reshape(2, n).sum(axis=0)
-        return Relaxed(self.floor, w, np.where(self.open, outside * (price + EPS), 0.0))
+        return Relaxed(w, np.where(self.open, outside * (price + EPS), 0.0))
 
     def tighten(self, late: Callable[[], bool]) -> None:
         """Narrow the intervals of velocities whose sign is not known, one after the other.
