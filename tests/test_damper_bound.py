@@ -1,4 +1,4 @@
-"""The proven bound of all dampings: every one of a small grid, random ones, strategies in the loop."""
+"""The proven bound of all dampings: every one of a small grid, random ones, closed loops."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from test_whole_vehicles import half_car
 
 import bridgectl as bc
-from bridgectl.dampers import Damper, bridgehook, damper_bound, passive, simulate_loop, skyhook
+from bridgectl.dampers import Damper, damper_bound, passive, simulate_loop, skyhook
+from bridgectl.dampers.actuator import with_damping
 from bridgectl.dampers.optimum import bound as room
 from bridgectl.dampers.optimum.hull import Hull, Program
 from bridgectl.dampers.optimum.impulses import Impulses
@@ -56,10 +57,10 @@ def test_no_damping_switched_between_its_bounds_is_below_and_the_best_is_found(b
 
 def test_no_damping_of_two_dampers_is_below(bridge):
     half = half_car(np.random.default_rng(4), 3e4)
-    profile = bc.iso8608_profile("B", 40, seed=2, start=-15)
-    found = damper_bound(bridge, half, SPEED, profile, SOFT, STIFF, free_from=5, start=-15, step=0.2)
-    bare = bc.model.vehicle.with_dampings(half, np.zeros(2))
-    run = prepare(bc.Crossing(bridge, bare), profile, -15.0)
+    case = bridge, half, SPEED, bc.iso8608_profile("B", 40, seed=2, start=-15), SOFT, STIFF
+    found = damper_bound(*case, free_from=5, start=-15, step=0.2)
+    bare = with_damping(half, 0.0)
+    run = prepare(bc.Crossing(bridge, bare), case[3], -15.0)
     steps = join(run, SPEED, 0.2, 0.2, SOFT, STIFF, 5.0)
     own = steps.shares(half.damper_dampings)
     every = peaks(steps, own, [*product((0.0, 1.0), repeat=len(own) - 2)])
@@ -86,12 +87,13 @@ def test_of_a_damper_with_no_choice_it_is_the_passive_daf(bridge, truck):
     found = damper_bound(bridge, stiff, SPEED, profile, 20e3, 20e3, start=START, step=0.02)
     exact = bc.daf(bridge, stiff, SPEED, profile, start=START)[0]
     assert found.bound == pytest.approx(found.lowest - room.CLOSED, abs=1e-9)
-    assert found.lowest == found.passive == pytest.approx(exact, abs=1e-3)
+    assert found.lowest == pytest.approx(found.passive, abs=1e-12)
+    assert found.lowest == pytest.approx(exact, abs=1e-3)
     assert found.best.daf == pytest.approx(exact, abs=1e-4)
 
 
 def test_strategies_on_the_same_grid_are_above(bridge, truck):
-    profile, step = road(4), 0.02
+    profile, step = road(4), 0.04
     found = damper_bound(bridge, truck, SPEED, profile, SOFT, STIFF, start=0.0, step=step)
     on_bridge = profile.crop(0, 25)
     for law in (passive(SOFT), passive(STIFF), skyhook(SOFT, STIFF)):
@@ -112,10 +114,10 @@ def test_the_best_damping_has_in_the_closed_loop_the_daf_that_is_told(bridge, tr
     profile = road(6)
     coarse, fine = (
         damper_bound(bridge, truck, SPEED, profile, SOFT, STIFF, start=START, step=step)
-        for step in (0.05, 0.02)
+        for step in (0.05, 0.025)
     )
     again = simulate_loop(bridge, truck, fine.best.damper, SPEED, profile.x, profile.elevation)
-    assert fine.best.daf == pytest.approx(again.daf[0, 0], abs=1e-9)
+    assert fine.best.daf == pytest.approx(again.daf[0, 0], abs=1e-6)
     assert fine.splitting == fine.best.daf - fine.lowest
     assert abs(fine.splitting) < 0.5 * abs(coarse.splitting)
     assert fine.best.passive_daf == pytest.approx(
@@ -126,7 +128,7 @@ def test_the_best_damping_has_in_the_closed_loop_the_daf_that_is_told(bridge, tr
 def test_out_of_time_it_still_holds_and_says_that_it_says_nothing(bridge, truck):
     case = bridge, truck, SPEED, road(7), SOFT, STIFF
     with pytest.warns(UserWarning, match="the bound says nothing: .* or a free_from nearer"):
-        hasty = damper_bound(*case, free_from=START, start=START, step=0.02, seconds=1e-3)
+        hasty = damper_bound(*case, free_from=START, start=START, step=0.04, seconds=1e-3)
     assert not hasty.meaningful
     assert "which says nothing" in repr(hasty)
     assert hasty.bound < damper_bound(*case, free_from=START, start=START, step=0.05).lowest
@@ -140,7 +142,7 @@ def test_its_repr_is_one_line(bridge, truck):
 
 
 def test_branches_close_a_gap_that_narrowing_leaves(bridge, truck, monkeypatch):
-    monkeypatch.setattr(room, "PAYS", 0.9)
+    monkeypatch.setattr(room, "PAYS", 100.0)
     found = damper_bound(
         bridge, truck, SPEED, road(2, "B"), SOFT, STIFF, start=START, step=0.05, free_from=START
     )
@@ -167,8 +169,8 @@ def test_a_tire_that_leaves_the_road_is_told(bridge, truck):
     [
         ({"free_from": -7}, "free_from must lie between the start at -6 m and .* 25 m, got -7"),
         ({"free_from": 25}, "type free_from=0"),
-        ({"seconds": 0}, "seconds must be above 0 s"),
-        ({"step": -0.02}, "step must be above 0 s"),
+        ({"seconds": 0}, "seconds must be above 0 .s."),
+        ({"step": -0.02}, "step must be above 0 .s."),
     ],
 )
 def test_wrong_arguments_are_told(bridge, truck, wrong, told):

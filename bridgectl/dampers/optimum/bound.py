@@ -69,7 +69,7 @@ class DamperBound:
     lowest : float
         DAF [-] of the best damping found, on the grid.
     passive : float
-        The same of the vehicle's own damping, kept within the damper's range.
+        DAF [-] of the vehicle's own damping, kept within the damper's range, on the grid.
     best : Clairvoyant
         The best damping found, with its DAF and the passive one by `simulate_loop`.
     step : float
@@ -196,9 +196,10 @@ def damper_bound(
     >>> import bridgectl as bc
     >>> from bridgectl.dampers import damper_bound
     >>> beam, car = bc.li2006.beam(), bc.li2006.car()
-    >>> road = bc.RoadProfile([-5, 3, 3.1, 25], [0, 0, -0.003, -0.003])
-    >>> found = damper_bound(beam, car, 30.0, road, 1e3, 30e3, start=-6, step=0.05)
+    >>> road = bc.RoadProfile([-6, 3, 3.1, 25], [0, 0, -0.003, -0.003])
+    >>> found = damper_bound(beam, car, 30.0, road, 1e3, 30e3, start=-6, step=0.04)
     >>> print(f"{found.bound:.3f} to {found.lowest:.3f}, passive {found.passive:.3f}")
+    1.128 to 1.128, passive 1.148
     """
     began = monotonic()
     require_dampers(vehicle)

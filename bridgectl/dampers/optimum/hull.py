@@ -24,6 +24,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from bridgectl._checks import FloatArray
@@ -119,7 +120,7 @@ class Hull:
         return halves
 
     @property
-    def open(self) -> FloatArray:
+    def open(self) -> NDArray[np.bool_]:
         """Whether the sign of each v is not known."""
         return (self.low < 0) & (self.high > 0)
 

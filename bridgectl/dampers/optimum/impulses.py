@@ -68,9 +68,9 @@ class Impulses:
         steps = (self.which - self.which.min()) // (self.leg.max() + 1)
         first, last = np.triu_indices(steps.max() + 1)
         within = (steps[:, np.newaxis] >= first) & (steps[:, np.newaxis] <= last)
-        blocks = np.hstack([
-            within & (self.leg == leg)[:, np.newaxis] for leg in range(self.leg.max() + 1)
-        ])
+        blocks = np.hstack(
+            [within & (self.leg == leg)[:, np.newaxis] for leg in range(self.leg.max() + 1)]
+        )
         peak = float(self.peaks(shares[:, np.newaxis])[0])
         while True:
             tries = np.hstack([np.where(blocks, c, shares[:, np.newaxis]) for c in (0.0, 1.0)])
