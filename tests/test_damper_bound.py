@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from fractions import Fraction
 from itertools import product
 
 import numpy as np
@@ -169,6 +170,7 @@ def test_a_tire_that_leaves_the_road_is_told(bridge, truck):
     [
         ({"free_from": -7}, "free_from must lie between the start at -6 m and .* 25 m, got -7"),
         ({"free_from": 25}, "type free_from=0"),
+        ({"step": 0.0005}, "makes 1667 dampings to choose, more than 400: type .* step=0.0023"),
         ({"seconds": 0}, "seconds must be above 0 .s."),
         ({"step": -0.02}, "step must be above 0 .s."),
     ],
@@ -203,6 +205,13 @@ def test_any_prices_prove_a_bound_and_those_of_the_solver_the_least_cost(seed):
     bound, found, prices = program.least(cost)
     assert bound <= cost @ found <= bound + 1e-9
     assert program.safe(cost, prices + rng.normal(size=12)) <= cost @ found
+    b, y = np.vectorize(Fraction)(program.limits), np.vectorize(Fraction)(prices + 1)
+    rest = [
+        Fraction(c) + sum(map(mul, y, map(Fraction, row)))
+        for c, row in zip(cost, rows.T, strict=True)
+    ]
+    exact = sum(-abs(r) for r in rest) - sum(b * y)
+    assert exact - Fraction(1, 10**11) < Fraction(program.safe(cost, prices + 1)) <= exact
     assert program.safe(cost, 0 * prices) == pytest.approx(-np.abs(cost).sum())
 
 

@@ -29,8 +29,9 @@ from bridgectl.dampers.loop.damped import simulate_run
 from bridgectl.dampers.optimum.clairvoyant import Clairvoyant
 from bridgectl.dampers.optimum.hull import Hull
 from bridgectl.dampers.optimum.impulses import Impulses
-from bridgectl.dampers.optimum.steps import join, march
+from bridgectl.dampers.optimum.steps import Steps, join, march
 from bridgectl.linear.lift_off import LiftOffWarning
+from bridgectl.linear.runs import Run
 from bridgectl.linear.start import begin
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing, require_factor
@@ -52,6 +53,9 @@ PAYS = 0.05
 
 STATUS = "best found of a bound"
 """Of the best damping: no solver was asked."""
+
+MOST = 400
+"""Most dampings to choose: with more a program alone takes a second."""
 
 FINER = 10
 """Samples in a step of the closed loop: it begins to hold a damping so much of a step late, if
@@ -218,31 +222,19 @@ def damper_bound(
     steps = join(run, c, held, held, soft, stiff, free)
     kept = steps.shares(own)
     impulses = Impulses(steps, kept, len(own) * int(free > run.start))
+    if (n := len(impulses.which)) > MOST:
+        raise ValueError(
+            f"step = {held:g} s makes {n} dampings to choose, more than {MOST}: type for example "
+            f"step={1.1 * held * n / MOST:.2g}"
+        )
     search = Search(impulses, kept[impulses.which], began + limit)
     bound, shares = search.run(), kept.copy()
     shares[impulses.which] = search.shares
-
-    def simulated(taken: FloatArray) -> Clairvoyant:
-        damping = steps.damping(taken)
-        rows = damping if len(own) == 1 else damping.reshape(-1, len(own)).T
-        offsets = Legs(vehicle.linear).offsets
-        dampings = Clairvoyant(
-            np.nan, np.nan, steps.positions, rows, held, soft, stiff, STATUS, offsets
-        )
-        dampers = fitted(replace(dampings, step=held / FINER).damper, vehicle)
-        loop = simulate_run(run, dampers, speeds)
-        if loop.least_force[0, 0] <= 0:
-            warn(
-                "a tire leaves the road: the bound is that of a crossing without lift-off",
-                LiftOffWarning,
-            )
-        return replace(dampings, daf=float(loop.daf[0, 0]))
-
-    passive = simulated(kept).daf
+    passive, best = (_simulated(run, speeds, vehicle, steps, held, each) for each in (kept, shares))
     sign = crossing.orientation
     found = DamperBound(
         sign * bound, sign * search.peak, sign * march(steps, kept).peak,
-        replace(simulated(shares), passive_daf=passive), held, free, search.rounds, search.branches,
+        replace(best, passive_daf=passive.daf), held, free, search.rounds, search.branches,
         monotonic() - began,
     )  # fmt: skip
     if not found.meaningful:
@@ -252,6 +244,26 @@ def damper_bound(
             f"or a free_from nearer to the bridge than {free:g} m"
         )
     return found
+
+
+def _simulated(
+    run: Run, speeds: FloatArray, vehicle: Vehicle | QuarterCar, steps: Steps, held: float,
+    shares: FloatArray,
+) -> Clairvoyant:  # fmt: skip
+    """Dampings, with their DAF in the closed loop."""
+    damping, legs = steps.damping(shares), Legs(vehicle.linear)
+    each = damping if len(legs.offsets) == 1 else damping.reshape(-1, len(legs.offsets)).T
+    best = Clairvoyant(
+        daf=np.nan, passive_daf=np.nan, positions=steps.positions, damping=each, step=held,
+        c_min=steps.c_min, c_max=steps.c_max, status=STATUS, offsets=legs.offsets,
+    )  # fmt: skip
+    loop = simulate_run(run, fitted(replace(best, step=held / FINER).damper, vehicle), speeds)
+    if loop.least_force[0, 0] <= 0:
+        warn(
+            "a tire leaves the road: the bound is that of a crossing without lift-off",
+            LiftOffWarning,
+        )
+    return replace(best, daf=float(loop.daf[0, 0]))
 
 
 class Search:
@@ -288,6 +300,8 @@ class Search:
         numbers = count()
         branches = [(root.floor, next(numbers), root, worth)]
         while branches and branches[0][0] < self.cut and not self.late():
+            if not branches[0][3].any():  # the solver failed here: the bound is as it was
+                break
             _, _, hull, worth = heapq.heappop(branches)
             for half in hull.branch(int(np.argmax(worth))):
                 self.branches += 1
@@ -309,7 +323,7 @@ class Search:
         """Bound the peak, try the dampings of the solution, and tell what hulls are to blame."""
         found = hull.least_peak()
         shares = self.impulses.shares(found.impulses)
-        if self.impulses.peaks(shares[:, np.newaxis])[0] < self.peak:
+        if self.impulses.peaks(shares[:, np.newaxis])[0] < self.cut:
             self.peak, self.shares = self.impulses.lower(shares)
         return found.worth
 

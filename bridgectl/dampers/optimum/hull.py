@@ -21,6 +21,7 @@ O. Shcherbina, Math. Program. 99 (2004) 283-296, for safe bounds.
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -108,15 +109,12 @@ class Hull:
         self.floor = _range(crossing.moments, box)[0].max()
         """A bound of the peak; infinite if none is at most the cut."""
 
-    def branch(self, k: int) -> list[Hull]:
+    def branch(self, k: int) -> tuple[Hull, Hull]:
         """Both signs of a velocity."""
-        halves = []
-        for low, high in ((self.low[k], 0.0), (0.0, self.high[k])):
-            half: Hull = object.__new__(Hull)
-            half.crossing, half.cut, half.floor = self.crossing, self.cut, self.floor
+        halves = copy(self), copy(self)
+        for half, low, high in zip(halves, (-np.inf, 0.0), (0.0, np.inf), strict=True):
             half.low, half.high = self.low.copy(), self.high.copy()
-            half.low[k], half.high[k] = low, high
-            halves.append(half)
+            half.low[k], half.high[k] = max(self.low[k], low), min(self.high[k], high)
         return halves
 
     @property
@@ -195,7 +193,8 @@ class Hull:
         moments = moments[_range(moments, box)[1] > level]
         n = int(np.flatnonzero(moments[:, :-1].any(axis=0)).max(initial=-1)) + 1
         low, high, a = self.low[:n], self.high[:n], self.crossing.least[:n]
-        rates, size = self.crossing.rates[:n], np.maximum(np.abs(low), np.abs(high))
+        rates = self.crossing.rates[:n]
+        size = np.abs(rates) @ np.append(np.abs(box).max(axis=0), 1.0) + high - low
         wide = np.where(self.open[:n], high - low, 1.0)
         least, most = a * low, a * high  # of the cone at the ends
         upper = np.where(self.open[:n], (high - least) / wide, np.where(low >= 0, 1.0, a))
@@ -207,8 +206,7 @@ class Hull:
             np.eye(n) - upper[:, np.newaxis] * v, lower[:, np.newaxis] * v - np.eye(n), v, -v
         ])  # fmt: skip
         limits = [over + upper * always, -under - lower * always, high - always, always - low]
-        loose = LOOSE * (size + np.abs(always))
-        return n, moments, Program(rows, np.ravel(limits + loose), box[0, :n], box[1, :n])
+        return n, moments, Program(rows, np.ravel(limits + LOOSE * size), box[0, :n], box[1, :n])
 
 
 def _range(maps: FloatArray, box: FloatArray) -> FloatArray:

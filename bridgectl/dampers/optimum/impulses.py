@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.optimum.steps import Steps, acting, march
 
+LENGTHS = (1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 90, 128, 180, 256)
+"""Lengths of blocks [steps] in a descent."""
+
 
 class Impulses:
     """Maps from [w, 1], with the n free impulses w [m/s] in the order in which they act.
@@ -67,6 +70,8 @@ class Impulses:
         """Descend: the block of one damper and bound that lowers the peak most, until none does."""
         steps = (self.which - self.which.min()) // (self.leg.max() + 1)
         first, last = np.triu_indices(steps.max() + 1)
+        common = np.isin(last - first + 1, LENGTHS)
+        first, last = first[common], last[common]
         within = (steps[:, np.newaxis] >= first) & (steps[:, np.newaxis] <= last)
         blocks = np.hstack(
             [within & (self.leg == leg)[:, np.newaxis] for leg in range(self.leg.max() + 1)]
