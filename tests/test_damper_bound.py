@@ -206,11 +206,8 @@ def test_any_prices_prove_a_bound_and_those_of_the_solver_the_least_cost(seed):
     assert bound <= cost @ found <= bound + 1e-9
     assert program.safe(cost, prices + rng.normal(size=12)) <= cost @ found
     b, y = np.vectorize(Fraction)(program.limits), np.vectorize(Fraction)(prices + 1)
-    rest = [
-        Fraction(c) + sum(map(mul, y, map(Fraction, row)))
-        for c, row in zip(cost, rows.T, strict=True)
-    ]
-    exact = sum(-abs(r) for r in rest) - sum(b * y)
+    rest = np.vectorize(Fraction)(cost) + np.vectorize(Fraction)(rows).T @ y
+    exact = -sum(map(abs, rest)) - b @ y
     assert exact - Fraction(1, 10**11) < Fraction(program.safe(cost, prices + 1)) <= exact
     assert program.safe(cost, 0 * prices) == pytest.approx(-np.abs(cost).sum())
 
