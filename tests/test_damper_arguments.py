@@ -49,6 +49,13 @@ CALLS = {
                          "step": 0.1, "section": 0.5, "recovery": "exact", "ride": 1.0},
         {"ride": [None]},
     ),
+    "damper_bound": (
+        dampers.damper_bound,
+        CASE | BOUNDS | {"speed": 25.0, "road": bc.RoadProfile(X, LEVEL), "free_from": 0.0,
+                         "start": 0.0, "step": 0.1, "seconds": 10.0, "section": 0.5,
+                         "recovery": "exact"},
+        {},
+    ),
     "program": (dampers.program, {"positions": [0.0], "dampings": [1e3], "shape": "steps"}, {}),
     "preset": (dampers.preset, BOUNDS | {"n_dampings": 3}, {}),
     "bridgehook": (dampers.bridgehook,

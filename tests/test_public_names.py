@@ -363,6 +363,7 @@ def things(bridge, truck):
         bc.ramp_heights(bridge, truck, dampers.passive(7e3), 25.0, 5.0, approach=0.0),
         dampers.program_sensitivity(bridge, truck, 25.0, [0], [7e3], road.x, road.elevation),
         Clairvoyant(1.0, 1.1, x, 1e3 + x, 0.01, 1e3, 30e3, "solved"),
+        dampers.damper_bound(bridge, truck, 25.0, road, 1e3, 30e3, step=0.2),
         equal_roughness_pair(surface, road, 25.0), extreme_road(surface, speed=25.0),
         PsdFit(16e-6, 2.0), bc.utia_road().psd(), bump(-5.0, length=1.0, height=0.03),
         measures.aggregate_fourth_power(1e5 + 0 * x, 1e5, x),

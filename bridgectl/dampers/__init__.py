@@ -18,6 +18,7 @@ from bridgectl.dampers.library import library
 from bridgectl.dampers.loop.closed_loop import simulate_loop
 from bridgectl.dampers.lqr import clipped_lqr
 from bridgectl.dampers.measured import measured
+from bridgectl.dampers.optimum.bound import damper_bound
 from bridgectl.dampers.optimum.clairvoyant import clairvoyant
 from bridgectl.dampers.preset import preset
 from bridgectl.dampers.program import program
@@ -39,6 +40,7 @@ __all__ = [
     "clipped_lqr",
     "continuous_skyhook",
     "costate",
+    "damper_bound",
     "extended_groundhook",
     "groundhook",
     "hybrid",

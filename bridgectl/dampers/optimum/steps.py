@@ -101,17 +101,19 @@ def acting(k: int, n_dampers: int) -> Sequence[int]:
 
 
 def _grid(
-    run: Run, speed: float, held: float, longest: float
+    run: Run, speed: float, held: float, longest: float, free_from: float
 ) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
     """Starts of the intervals, ends of the steps [m], and the interval of each step."""
-    length = run.end - run.start
+    length = run.end - free_from
     count = np.ceil(length / (speed * held) - SAME_PLACE)
     if count > MOST_INTERVALS:
         raise ValueError(
             f"step = {held:g} s makes {count:.0f} intervals, more than {MOST_INTERVALS}: type for "
             f"example step={length / speed / 500:.1g}"
         )
-    starts = run.start + speed * held * np.arange(int(count))
+    starts = free_from + speed * held * np.arange(int(count))
+    if free_from > run.start:
+        starts = np.append(run.start, starts)
     lengths = np.diff(np.append(starts, run.end))
     pieces = np.maximum(np.ceil(lengths / speed / longest - SAME_PLACE), 1).astype(int)
     interval = np.repeat(np.arange(len(starts)), pieces)
@@ -120,10 +122,17 @@ def _grid(
     return starts, np.append(firsts, run.end), interval
 
 
-def join(run: Run, speed: float, held: float, longest: float, c_min: float, c_max: float) -> Steps:
-    """Join the exact cells of the crossing into steps."""
+def join(
+    run: Run, speed: float, held: float, longest: float, c_min: float, c_max: float,
+    free_from: float | None = None,
+) -> Steps:  # fmt: skip
+    """Join the exact cells of the crossing into steps.
+
+    All that lies before `free_from` [m], if it is given, is one interval.
+    """
     crossing = run.crossing
-    starts, ends, interval = _grid(run, speed, held, longest)
+    begins = run.start if free_from is None else free_from
+    starts, ends, interval = _grid(run, speed, held, longest, begins)
     middles = (ends[1:] + ends[:-1]) / 2
     kinks = merge_places(np.concatenate([run.kinks(), ends, middles]))
     nodes = cell_nodes(crossing, speed, kinks)
