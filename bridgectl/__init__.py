@@ -82,6 +82,7 @@ if TYPE_CHECKING:
     from bridgectl.scoring.board import Scoreboard
     from bridgectl.scoring.calibration import calibrated_class_dae
     from bridgectl.scoring.ramp_heights import ramp_heights
+    from bridgectl.scoring.robust import robustness
     from bridgectl.scoring.run import score
     from bridgectl.simulate import crossing_response, daf, peak_effect, ramp_surface
     from bridgectl.surface.expected import SurfaceFileError
@@ -132,6 +133,7 @@ __all__ = [
     "ramp_surface",
     "read_profile",
     "read_tracks",
+    "robustness",
     "score",
     "utia_road",
     "write_profile",
@@ -176,6 +178,7 @@ _HOMES = {
     "scoring.board": ("Scoreboard",),
     "scoring.calibration": ("calibrated_class_dae",),
     "scoring.ramp_heights": ("ramp_heights",),
+    "scoring.robust": ("robustness",),
     "scoring.run": ("score",),
     "simulate": ("crossing_response", "daf", "peak_effect", "ramp_surface"),
     "surface.expected": ("SurfaceFileError",),

@@ -29,9 +29,10 @@ ReadShown: TypeAlias = Any
 ReadingShown: TypeAlias = Any
 TailShown: TypeAlias = Any
 
-# Scoreboard; of bridgectl.paper: printed.PaperResults, validation.Case,
+# Scoreboard, scoring.changes.Robustness; of bridgectl.paper: printed.PaperResults, validation.Case,
 # validation.ValidationResults, damper_validation.DamperCase.
 BoardShown: TypeAlias = Any
+RobustShown: TypeAlias = Any
 PaperShown: TypeAlias = Any
 CaseShown: TypeAlias = Any
 ValidationShown: TypeAlias = Any
