@@ -24,8 +24,7 @@ def robust_figure(found: RobustShown) -> Figure:
     """Draw what is left of each strategy's gain over the size of each error.
 
     A panel for each kind of error and road class, strategies as lines with the 95 % intervals of
-    their means over roads and speeds. Above the zero line, where it is shaded, they do harm. Open
-    marks: with nothing wrong.
+    their means over roads and speeds. Above the zero line, where it is shaded, they do harm.
     """
     kinds = list(dict.fromkeys(each.kind for each in found.errors[1:]))
     across = min(COLUMNS, len(kinds))
@@ -54,9 +53,8 @@ def _draw_kind(ax: Axes, found: RobustShown, kind: str, road_class: str) -> None
     """Lines over the sizes of a kind, through that of nothing wrong; of names marks alone."""
     own = [each for each in found.errors if each.kind == kind]
     named = any(np.isnan(each.size) for each in own)
-    told = own if named else sorted([found.errors[0], *own], key=lambda each: each.size)
-    if kind == "sample time":  # of which none is 0
-        told = own
+    right = [] if named or kind == "sample time" else [found.errors[0]]  # samples take a time
+    told = own if named else sorted([*right, *own], key=lambda each: each.size)
     places = np.arange(len(told)) if named else np.array([each.size for each in told])
     for i, name in enumerate(found.strategies):
         changes = [found.change(name, str(each), road_class) for each in told]

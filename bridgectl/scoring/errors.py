@@ -103,7 +103,7 @@ ERRORS: tuple[Error, ...] = (
     *_sized("position", "m", (-3, -1, -0.3, 0.3, 1, 3), "position_error", 1.0),
     *_sized("position drift", "%", (-3, -1, 1, 3), "position_drift", 0.01),
     *_sized("lag", "ms", (5, 10, 20, 50), "lag", 1e-3),
-    *_sized("sample time", "ms", (1, 5, 10), "sample_time", 1e-3),
+    *_sized("sample time", "ms", (1, 2, 5, 10), "sample_time", 1e-3),
     *_sized("velocity noise", "%", (5, 10, 20), "noise", 0.01),
     *(Error(FILTER, float("nan"), name=name, sensors=name, damper=SENSOR_NOISE)
       for name in FILTERS),

@@ -42,13 +42,16 @@ KIND = Kind("a robustness study", 1)
 """What files of studies in progress are called, and the version of their format."""
 
 
+Classes = tuple[str, ...]
+
+
 class Case(NamedTuple):
-    """Dampers on the roads of a class with an error: what one process does at once."""
+    """Dampers on the roads of some classes with an error: what one process does at once."""
 
     crossing: Crossing
     """With the true bridge and vehicle."""
     devices: Fitted
-    road_class: str
+    classes: Classes
 
 
 def robustness(
@@ -158,8 +161,8 @@ def robustness(
     })  # fmt: skip
 
 
-Place = tuple[int, int, str]
-"""Strategy and error, by number, and the class of the roads."""
+Place = tuple[int, int, Classes]
+"""Strategy and error, by number, and the classes of the roads."""
 
 
 def _cases(
@@ -167,30 +170,33 @@ def _cases(
 ) -> dict[Place, Case | None]:
     """What is to be done, by strategy, error and class; None where it cannot be done."""
     speed, found = float(study.speeds[0]), dict[Place, Case | None]()
+    each = [(name,) for name in sorted(set(study.road_classes))]
+    together = [tuple(name for (name,) in each)]
     noisy = any(error.noise for error in errors)
-    for of_class in sorted(set(study.road_classes)):
-        moved = _velocity(study, devices[0], of_class) if noisy else 0.0
-        for j, error in enumerate(errors):
-            fields = {**error.damper} | ({"velocity_noise": error.noise * moved} if error.noise
-                                         else {})  # fmt: skip
-            own = error._replace(damper=fields)
-            crossing = true_crossing(study.crossing, error)
+    moved = {of: _velocity(study, devices[0], of) for of in each} if noisy else {}
+    for j, error in enumerate(errors):
+        crossing = true_crossing(study.crossing, error)
+        for classes in each if error.noise else together:
+            own = error
+            if error.noise:  # a share of what the roads of a class make
+                noise = {"velocity_noise": error.noise * moved[classes]}
+                own = error._replace(damper={**error.damper, **noise})
             for i, device in enumerate(devices):
                 fitted = with_error(device, own, study.crossing, speed)
-                found[i, j, of_class] = fitted and Case(crossing, fitted, of_class)
+                found[i, j, classes] = fitted and Case(crossing, fitted, classes)
     return found
 
 
-def _velocity(study: Study, device: Fitted, road_class: str) -> float:
-    """RMS suspension velocity [m/s] with a damper on roads of a class, over legs and speeds."""
+def _velocity(study: Study, device: Fitted, classes: Classes) -> float:
+    """RMS suspension velocity [m/s] with a damper on roads of classes, over legs and speeds."""
     bare, name = device.bare(study.crossing), "suspension_velocity"
-    roads = _of_class(study, road_class)
+    roads = _of_classes(study, classes)
     found = Loop(bare, device, np.sort(study.speeds), study.stations, roads, (name,)).run()
     return float(rms(np.array([rms(each[name]).ravel() for each in found.histories]).ravel()))
 
 
-def _of_class(study: Study, road_class: str) -> FloatArray:
-    return study.elevations[np.array(study.road_classes) == road_class]
+def _of_classes(study: Study, classes: Classes) -> FloatArray:
+    return study.elevations[np.isin(study.road_classes, classes)]
 
 
 def _key(study: Study, case: Case) -> tuple[str, str]:
@@ -199,8 +205,9 @@ def _key(study: Study, case: Case) -> tuple[str, str]:
     told = [described(crossing.beam), parameters(crossing.vehicle)]
     text = json.dumps([told, told_of(case.devices, study.speeds)])
     whole = hashlib.sha256(text.encode())
-    whole.update(np.ascontiguousarray(_of_class(study, case.road_class)).tobytes())
-    return f"{case.devices.name}, class {case.road_class}", whole.hexdigest()[:16]
+    whole.update(np.ascontiguousarray(_of_classes(study, case.classes)).tobytes())
+    name = f"{case.devices.name}, class {' and '.join(case.classes)}"
+    return name, whole.hexdigest()[:16]
 
 
 def _done(
@@ -213,13 +220,13 @@ def _done(
 ) -> dict[tuple[str, str], Part]:
     """Do what the file has not, which is the same for all strategies to which an error is none."""
     shapes = {
-        task: {"daf": (len(_of_class(study, case.road_class)), len(study.speeds))}
+        task: {"daf": (len(_of_classes(study, case.classes)), len(study.speeds))}
         for task, case in tasks.items()
     }
     with Parts(resume, header(study), shapes, KIND) as parts:
         todo = [task for task in tasks if task not in parts]
         jobs = [
-            (tasks[task], study.speeds, study.stations, _of_class(study, tasks[task].road_class))
+            (tasks[task], study.speeds, study.stations, _of_classes(study, tasks[task].classes))
             for task in todo
         ]
         with closing(in_processes(_part, jobs, workers, scheduler)) as found:
@@ -247,10 +254,9 @@ def _found(
     """Put the parts together."""
     whole = np.full((len(devices), len(errors), *study.elevations.shape[:1], study.speeds.size),
                     np.nan)  # fmt: skip
-    classes = np.array(study.road_classes)
-    for (i, j, of_class), daf in dafs.items():
+    for (i, j, classes), daf in dafs.items():
         if daf is not None:
-            whole[i, j, classes == of_class] = daf
+            whole[i, j, np.isin(study.road_classes, classes)] = daf
     return Robustness(
         devices[0].name, tuple(device.name for device in devices[1:]), errors,
         tuple(road.name or f"road {i}" for i, road in enumerate(roads, 1)), study.road_classes,
