@@ -25,7 +25,6 @@ places where the tire may be::
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from copy import copy
 from pathlib import Path
 from types import SimpleNamespace
@@ -34,13 +33,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import ndtr
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.costate import REACH, Costate, costate
 from bridgectl.dampers.legs import Legs, checked_leg, require_dampers
-from bridgectl.dampers.peak_value import PeakValue, peak_values
+from bridgectl.dampers.peak_value import PeakValue, blurred, peak_values
 from bridgectl.dampers.strategy import Strategy
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing
@@ -56,9 +54,6 @@ KNOTS = 16
 
 PLACES = 32
 """Places where sigma may change its sign come in multiples of this; see `_costate_law`."""
-
-BEYOND = 3
-"""Deviations of its position behind the end of the bridge up to which a force may be of worth."""
 
 FAR = 1e9
 """A place [m] that no vehicle comes to."""
@@ -130,12 +125,14 @@ lag=0 s, position_deviation=0 m)
         case = self.beam, self.vehicle, speed
         if not self.feedback:
             simple = costate(*case, effect=self.effect, leg=self.leg)
-            return _costate_law(Costate(*_blurred(simple, self.position_deviation)), self)
+            return _costate_law(Costate(*blurred(simple, self.position_deviation)), self)
         if speed not in self.worths:  # those of all legs come together
             bounds = self.c_min, self.c_max
-            self.worths[speed] = peak_values(*case, *bounds, effect=self.effect, reach=REACH)
-        found = self.worths[speed][self.leg - 1]
-        return _feedback_law(PeakValue(*_blurred(found, self.position_deviation)), self)
+            self.worths[speed] = peak_values(
+                *case, *bounds, effect=self.effect, reach=REACH,
+                position_deviation=self.position_deviation,
+            )  # fmt: skip
+        return _feedback_law(self.worths[speed][self.leg - 1], self)
 
     def command(self, **signals: ArrayLike) -> FloatArray:
         """Evaluate the command [N s/m] at one speed, one of the signals: see `Strategy.command`."""
@@ -269,19 +266,6 @@ def bridgehook(
         beam, vehicle, c_min, c_max, section, effect=effect, feedback=feedback, lag=lag,
         position_deviation=position_deviation,
     )  # fmt: skip
-
-
-def _blurred(found: Sequence[FloatArray], deviation: float) -> Sequence[FloatArray]:
-    """Places, and what is straight between them and 0 beyond, in its mean about each place."""
-    if deviation == 0:
-        return found
-    x, values = found[0], np.pad(found[1:], ((0, 0), (0, 1)))
-    places = np.append(x, 2 * x[-1] - x[-2])
-    bends = np.diff(np.diff(values) / np.diff(places), prepend=0.0, append=0.0)
-    told = np.append(x, x[-1] + deviation * np.linspace(0.1, BEYOND, 10 * BEYOND))
-    z = (told - places[:, np.newaxis]) / deviation
-    rises = deviation * (z * ndtr(z) + np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi))
-    return [told, *(values[:, :1] + bends @ rises)]
 
 
 def _feedback_law(found: PeakValue, owner: Bridgehook) -> Strategy:
