@@ -31,7 +31,7 @@ PASSIVE, CONSTANT = "passive", "constant"
 CAREFUL, SIMPLE = "careful bridgehook", "simple bridgehook"
 """Bridgehook made for errors, and the same without feedback: strategies of --robust."""
 
-MADE_FOR = {"lag": 0.01, "position_deviation": 1.0}
+MADE_FOR = {"lag": 0.01, "position_deviation": 1.5}
 """The errors that they are made for [s] and [m]."""
 
 ROBUST = f"skyhook,continuous skyhook,groundhook,hybrid,clipped LQR,bridgehook,{CAREFUL},{SIMPLE}"

@@ -249,10 +249,12 @@ class _Backward:
         self.yet = np.zeros((len(weights), *known.transitions.shape[1:]))
         self.squares = np.array([np.outer(row, row) for row in known.velocity_rows])
         self.sharpness, self.curvature = sharpness, curvature
+        left = np.cumsum(weights[:, ::-1], axis=1)[:, ::-1]  # on the approach all are ahead
+        totals = np.pad(left, ((0, 0), (known.entry, 0)), mode="edge").T[..., np.newaxis]
         own = np.array([weights @ ahead @ self.forces for _, ahead in _backward(known)])[::-1]
-        columns = known.positions, *own.reshape(len(own), -1).T
-        means = np.array(blurred(columns, deviation)[1:])[:, : len(own)].T
-        self.means = np.abs(means).reshape(own.shape)
+        columns = (own / totals).reshape(len(own), -1).T
+        means = np.array(blurred((known.positions, *columns), deviation)[1:])[:, : len(own)].T
+        self.means = np.abs(means.reshape(own.shape)) * totals
         """|s| of each damper's force at the nodes by each one's weights, (nodes, D, D)."""
 
     def step_back(self, k: int, duration: float) -> None:
