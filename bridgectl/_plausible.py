@@ -339,6 +339,10 @@ def _damper_doubts(damper: Damper) -> Iterator[str]:
         )
     if (loose := damper.travel_noise) > LOOSEST:
         yield f"travel_noise = {loose:g} m hides all: for {loose:g} mm type {loose / 1e3:g}"
+    if (blurred := damper.preview_noise) > LOOSEST:
+        yield f"preview_noise = {blurred:g} m hides all: for {blurred:g} mm type {blurred / 1e3:g}"
+    if (old := damper.preview_delay) > SLOWEST_LAG:
+        yield f"preview_delay = {old:g} s is older than any: for {old:g} ms type {old / 1e3:g}"
 
 
 def _critical(vehicle: Vehicle | QuarterCar) -> float:

@@ -120,7 +120,9 @@ def places_told(damper, beam, vehicle, roads):
 
 def test_a_drift_is_a_share_of_the_way_since_the_start(bridge, truck, roads):
     """Told 2 % more of it, beside errors that are the same everywhere."""
-    told = places_told(Damper(TELLING, position_error=0.5, position_drift=0.02), bridge, truck, roads)
+    told = places_told(
+        Damper(TELLING, position_error=0.5, position_drift=0.02), bridge, truck, roads
+    )
     way = 25.0 * 2e-3 * np.arange(told.shape[1])
     assert told == pytest.approx(np.tile(X[0] + 1.02 * way + 0.5, (len(roads), 1)), abs=1e-9)
     drawn = Damper(TELLING, position_deviation=0.5, position_drift=0.02)

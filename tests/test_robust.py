@@ -130,7 +130,10 @@ def test_all_at_once_has_every_error(found):
 
 def test_filters_stand_for_ideal_velocities_where_they_tell_what_a_strategy_needs(found):
     damper = Damper(
-        measured(HOOK, Sensors.accelerometers()), COARSE, acceleration_noise=0.05, travel_noise=0.5e-3
+        measured(HOOK, Sensors.accelerometers()),
+        COARSE,
+        acceleration_noise=0.05,
+        travel_noise=0.5e-3,
     )
     expected = dafs(damper) - dafs(OWN)
     told = changes(found, "bridgehook", "filter: accelerometers")
@@ -164,7 +167,9 @@ def test_what_is_the_same_is_simulated_once(monkeypatch):
 
 def test_what_is_not_told_of_a_bridge_or_truck_is_not_tried():
     modal = bc.ModalBridge([0, 3, 6, 9], [[0.0], [1.0], [1.0], [0.0]], [9.0], 8e4)
-    tried = [each.kind for each in ERRORS if applies(each, bc.Crossing(modal, TRUCK, bc.Deflection()))]  # noqa: E501
+    tried = [
+        each.kind for each in ERRORS if applies(each, bc.Crossing(modal, TRUCK, bc.Deflection()))
+    ]
     assert {"position", "load"} <= set(tried)
     assert not {"bridge frequency", "bridge damping", "all at once"} & set(tried)
     whole = [each for each in ERRORS if applies(each, bc.Crossing(BEAM, TRUCK.linear))]
@@ -364,7 +369,7 @@ def test_the_command_has_strategies_of_its_own_and_json(capsys, monkeypatch):
     monkeypatch.setattr(bc, "robustness", robustness)
     status, out, _ = run_command(capsys, "score", "--robust", "--lag", "0.005", "--json")
     assert status == 0
-    assert json.loads(out)["effect"]["quantity"] == "moment"
+    assert json.loads(out)["effect"]["at_m"] == 12.5
     assert seen["names"] == [
         "passive 7 kN s/m", "skyhook", "continuous skyhook", "groundhook", "hybrid", "clipped LQR",
         "bridgehook", "careful bridgehook", "simple bridgehook",

@@ -31,8 +31,8 @@ PASSIVE, CONSTANT = "passive", "constant"
 CAREFUL, SIMPLE = "careful bridgehook", "simple bridgehook"
 """Bridgehook made for errors, and the same without feedback: strategies of --robust."""
 
-MADE_FOR = {"lag": 0.01, "position_deviation": 1.5}
-"""The errors that they are made for [s] and [m]."""
+LAG, DEVIATION = 0.01, 1.5
+"""The lag [s] and the deviation of the position [m] that they are made for."""
 
 ROBUST = f"skyhook,continuous skyhook,groundhook,hybrid,clipped LQR,bridgehook,{CAREFUL},{SIMPLE}"
 """Strategies of --robust by default."""
@@ -199,16 +199,14 @@ def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[
     ]
 
 
-def _made_for_errors(
-    args: argparse.Namespace, beam: BridgeModel, vehicle: Any
-) -> list[Strategy]:
+def _made_for_errors(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[Strategy]:
     """Bridgehook made for some lag and an unsure position, with feedback and without."""
     from bridgectl.dampers import bridgehook
 
     return [
         bridgehook(
             beam, vehicle, args.c_min, args.c_max, section=args.section, feedback=feedback,
-            **MADE_FOR,
+            lag=LAG, position_deviation=DEVIATION,
         ).renamed(name)
         for name, feedback in ((CAREFUL, True), (SIMPLE, False))
     ]  # fmt: skip

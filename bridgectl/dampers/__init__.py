@@ -21,6 +21,7 @@ from bridgectl.dampers.measured import measured
 from bridgectl.dampers.optimum.clairvoyant import clairvoyant
 from bridgectl.dampers.preset import preset
 from bridgectl.dampers.program import program
+from bridgectl.dampers.rollout.hooks import preview_hook, rollout_hook
 from bridgectl.dampers.sensitivity import program_sensitivity
 from bridgectl.dampers.sensors import Sensors
 from bridgectl.dampers.signals import SIGNALS
@@ -46,8 +47,10 @@ __all__ = [
     "passive",
     "pdd",
     "preset",
+    "preview_hook",
     "program",
     "program_sensitivity",
+    "rollout_hook",
     "selective_groundhook",
     "sh_add",
     "simulate_loop",

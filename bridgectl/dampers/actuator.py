@@ -54,6 +54,11 @@ class Damper:
     speed_error : float, optional
         Share by which the speed told is above the true one, 0.1 for 10 %: a strategy with a law for
         each speed then has that of another one.
+    preview_noise : float, optional
+        Standard deviation of white noise on each elevation that is seen ahead [m], of every sample.
+    preview_delay : float, optional
+        How old what is seen ahead is [s]: elevations are those that were ahead, and less that which
+        was under the tire, so long ago. The strategy does not know.
 
     Raises
     ------
@@ -72,7 +77,7 @@ class Damper:
     Damper(Strategy('skyhook', c from 1000 to 30000 N s/m, dead_band=0.0001), sample_time=0.002 s, \
 lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0, \
 position_error=0 m, position_deviation=0 m, position_drift=0, speed_error=0, \
-acceleration_noise=0 m/s^2, travel_noise=0 m)
+acceleration_noise=0 m/s^2, travel_noise=0 m, preview_noise=0 m, preview_delay=0 s)
     """
 
     strategy: Strategy
@@ -87,6 +92,8 @@ acceleration_noise=0 m/s^2, travel_noise=0 m)
     travel_noise: float = 0.0
     position_drift: float = 0.0
     speed_error: float = 0.0
+    preview_noise: float = 0.0
+    preview_delay: float = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.strategy, Strategy):
@@ -111,6 +118,8 @@ acceleration_noise=0 m/s^2, travel_noise=0 m)
                     f"{name} must be above -1, as a share, got {share:g}: for {share:g} % type "
                     f"{share / 100:g}"
                 )
+        check.not_negative("preview_noise", self.preview_noise, unit="m")
+        check.not_negative("preview_delay", self.preview_delay, unit="s")
         judge_damper(self)
 
     @property
@@ -118,7 +127,7 @@ acceleration_noise=0 m/s^2, travel_noise=0 m)
         """Whether what is measured has random errors, other ones in each crossing."""
         return any((
             self.velocity_noise, self.acceleration_noise, self.travel_noise,
-            self.position_deviation,
+            self.position_deviation, self.preview_noise,
         ))  # fmt: skip
 
     @property
@@ -142,7 +151,8 @@ acceleration_noise=0 m/s^2, travel_noise=0 m)
             f"position_deviation={self.position_deviation:g} m, "
             f"position_drift={self.position_drift:g}, speed_error={self.speed_error:g}, "
             f"acceleration_noise={self.acceleration_noise:g} m/s^2, "
-            f"travel_noise={self.travel_noise:g} m)"
+            f"travel_noise={self.travel_noise:g} m, preview_noise={self.preview_noise:g} m, "
+            f"preview_delay={self.preview_delay:g} s)"
         )
 
 

@@ -40,6 +40,7 @@ from bridgectl.dampers.costate import REACH, Costate, costate
 from bridgectl.dampers.legs import Legs, checked_leg, require_dampers
 from bridgectl.dampers.peak_value import PeakValue, blurred, peak_values
 from bridgectl.dampers.strategy import Strategy
+from bridgectl.dampers.weights import best_damping, checked_weights, crossing_time, side_worth
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing
 from bridgectl.model.effect import Effect
@@ -81,6 +82,9 @@ lag=0 s, position_deviation=0 m)
         feedback: bool = True,
         lag: float = 0.0,
         position_deviation: float = 0.0,
+        ride: float = 0.0,
+        travel: float = 0.0,
+        tire_force: float = 0.0,
     ) -> None:
         # The crossing checks beam, vehicle and effect.
         self.effect = make_crossing(beam, vehicle, effect, section).effect
@@ -92,6 +96,12 @@ lag=0 s, position_deviation=0 m)
         self.position_deviation = check.not_negative(
             "position_deviation", position_deviation, unit="m"
         )
+        self.weights = checked_weights(ride, travel, tire_force)
+        if any(self.weights) and not feedback:
+            raise ValueError(
+                "ride, travel and tire_force must be 0 without feedback, which they are part of: "
+                "leave out feedback=False"
+            )
         self.leg, self.laws = 1, dict[tuple[int, float], Strategy]()
         self.worths: dict[float, list[PeakValue]] = {}
         super().__init__("bridgehook", self._untold, c_min, c_max)
@@ -100,7 +110,8 @@ lag=0 s, position_deviation=0 m)
         return (
             f"Bridgehook({self.name!r}, c from {self.c_min:g} to {self.c_max:g} N s/m, for a "
             f"bridge of {self.beam.length:g} m, feedback={self.feedback}, lag={self.lag:g} s, "
-            f"position_deviation={self.position_deviation:g} m)"
+            f"position_deviation={self.position_deviation:g} m"
+            f"{f', {self.weights}' if any(self.weights) else ''})"
         )
 
     @staticmethod
@@ -122,31 +133,39 @@ lag=0 s, position_deviation=0 m)
         return other
 
     def _made(self, speed: float) -> Strategy:
-        case = self.beam, self.vehicle, speed
         if not self.feedback:
-            simple = costate(*case, effect=self.effect, leg=self.leg)
+            simple = costate(self.beam, self.vehicle, speed, effect=self.effect, leg=self.leg)
             return _costate_law(Costate(*blurred(simple, self.position_deviation)), self)
+        return _feedback_law(self._worth(speed), self, self._square(speed))
+
+    def _worth(self, speed: float) -> PeakValue:
+        """What a force is worth, in the mean over the places where the tire may be."""
         if speed not in self.worths:  # those of all legs come together
-            bounds = self.c_min, self.c_max
+            case = self.beam, self.vehicle, speed, self.c_min, self.c_max
             self.worths[speed] = peak_values(
-                *case, *bounds, effect=self.effect, reach=REACH,
+                *case, effect=self.effect, reach=REACH, beside=self.weights,
                 position_deviation=self.position_deviation,
             )  # fmt: skip
-        return _feedback_law(self.worths[speed][self.leg - 1], self)
+        return self.worths[speed][self.leg - 1]
+
+    def _square(self, speed: float) -> float:
+        """What the square of a force beyond the passive one costs [1/(N^2 s)]."""
+        case = self.vehicle, self.weights, self.c_min, self.c_max
+        return float(side_worth(*case, crossing_time(self.beam, speed)).squares[self.leg - 1])
 
     def command(self, **signals: ArrayLike) -> FloatArray:
         """Evaluate the command [N s/m] at one speed, one of the signals: see `Strategy.command`."""
         speed: Any = signals.get("speed", ())
         if np.ndim(speed) != 0:
             raise ValueError(
-                "bridgehook has a law for each speed: type for example command(speed=25.0, ...)"
+                f"{self.name} has a law for each speed: type for example command(speed=25.0, ...)"
             )
         return self.for_speed(speed).command(**signals)
 
     def to_c(self, path: str | Path) -> Path:
         """Refuse: a C file holds the law of one speed, ``bridgehook(...).for_speed(25.0)``."""
         raise ValueError(
-            "bridgehook has a law for each speed: type for example law.for_speed(25.0).to_c(path)"
+            f"{self.name} has a law for each speed: type for example law.for_speed(25.0).to_c(path)"
         )
 
     @property
@@ -172,6 +191,9 @@ def bridgehook(
     feedback: bool = True,
     lag: float = 0.0,
     position_deviation: float = 0.0,
+    ride: float = 0.0,
+    travel: float = 0.0,
+    tire_force: float = 0.0,
 ) -> Bridgehook:
     """Return the damper that works against the bending moment of a bridge.
 
@@ -199,6 +221,10 @@ def bridgehook(
     position_deviation : float, optional
         Standard deviation of the error of its position [m], as of its `Damper`. It then asks what a
         force is worth in the mean over the places where the tire may be.
+    ride, travel, tire_force : float, optional
+        What else counts beside the DAF, with weights: the mean squares, over time, of the body's
+        acceleration in m/s^2, of the suspension travel in 10 mm and of the tire force's deviation
+        from the static one over that. See the notes, and `bridgectl.dampers.weights`.
 
     Returns
     -------
@@ -264,11 +290,11 @@ def bridgehook(
     """
     return Bridgehook(
         beam, vehicle, c_min, c_max, section, effect=effect, feedback=feedback, lag=lag,
-        position_deviation=position_deviation,
+        position_deviation=position_deviation, ride=ride, travel=travel, tire_force=tire_force,
     )  # fmt: skip
 
 
-def _feedback_law(found: PeakValue, owner: Bridgehook) -> Strategy:
+def _feedback_law(found: PeakValue, owner: Bridgehook, square: float) -> Strategy:
     """The law of the worth of a force, straight between knots that are the same at all speeds."""
     end = float(found.positions[-1])
     before = -REACH * np.linspace(1, 0, KNOTS, endpoint=False) ** 2  # closer and closer
@@ -288,7 +314,7 @@ def _feedback_law(found: PeakValue, owner: Bridgehook) -> Strategy:
             for table, bend in zip(tables, bends, strict=True)
         )
         sigma = constant + body * s.body_velocity + axle * s.axle_velocity
-        return _switched(sigma, s, g, -REACH, end, owner)
+        return _switched(sigma, s, g, -REACH, end, owner, square)
 
     return Strategy(owner.name, law, owner.c_min, owner.c_max)
 
@@ -320,10 +346,14 @@ def _costate_law(found: Costate, owner: Bridgehook) -> Strategy:
     return Strategy(owner.name, law, owner.c_min, owner.c_max)
 
 
-def _switched(sigma: Any, s: Any, g: Any, start: float, end: float, owner: Bridgehook) -> Any:
+def _switched(
+    sigma: Any, s: Any, g: Any, start: float, end: float, owner: Bridgehook, square: float = 0.0
+) -> Any:
     active = ca.logic_and(s.position >= start, s.position <= end)
-    stiff = sigma * s.suspension_velocity < 0
-    return ca.if_else(active, ca.if_else(stiff, g.c_max, g.c_min), owner.passive_damping)
+    passive = owner.passive_damping
+    return ca.if_else(
+        active, best_damping(sigma, square, passive, s.suspension_velocity, g), passive
+    )
 
 
 def _later(s: Any, time: float, behind: float) -> Any:

@@ -16,9 +16,14 @@ def write_c(function: ca.Function, path: str | Path) -> Path:
     file = Path(path)
     if file.suffix != ".c":
         raise ValueError(f"path must end in .c, got {str(path)!r}: type path='damping.c'")
-    # CasADi makes a name in C of this one, so it is not that of the file.
+    with replacing(str(file)) as handle:
+        handle.write(c_of(function).encode())
+    return file
+
+
+def c_of(function: ca.Function) -> str:
+    """Return a function of CasADi in C."""
+    # CasADi makes a name in C of this one, so it is not that of a file.
     generator = ca.CodeGenerator("damping.c", {"with_header": False})
     generator.add(function)
-    with replacing(str(file)) as handle:
-        handle.write(generator.dump().encode())
-    return file
+    return str(generator.dump())

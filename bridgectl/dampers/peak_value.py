@@ -38,6 +38,9 @@ leave when they do their best, with forces u of up to D v_m, v_m a mean of |v|, 
 convex::
 
     minimize over the others' u:  log(sum over j of w_j exp(beta (M_j + integral of sigma_j u)))
+
+Where ride, travel or tire force count too, V has what dz will yet cost them, and dV / dF the r of
+`bridgectl.dampers.weights` for dz, at the force of the passive damper.
 """
 
 from __future__ import annotations
@@ -57,6 +60,7 @@ from bridgectl.dampers.actuator import with_damping
 from bridgectl.dampers.costate import REACH, smooth_crossing
 from bridgectl.dampers.gains import damping_bounds
 from bridgectl.dampers.legs import Legs, require_dampers
+from bridgectl.dampers.weights import PEAK_ALONE, Weights, crossing_time, side_worth
 from bridgectl.linear.cells import SAMPLES
 from bridgectl.linear.prediction import Prediction
 from bridgectl.linear.runs import effect_samples
@@ -130,14 +134,15 @@ def peak_values(
     reach: float = REACH,
     sharpness: float = SHARPNESS,
     yield_speed: float = YIELD_SPEED,
+    beside: Weights = PEAK_ALONE,
     position_deviation: float = 0.0,
 ) -> list[PeakValue]:
     """Return what a force of each damper is worth before the peak moment, at a speed [m/s].
 
     The dampings are kept from `c_min` to `c_max` [N s/m]; `reach` is the length of the approach
     that is looked at [m]; `sharpness` and `yield_speed` [m/s] are beta and v_0 of the formulas
-    above. The places returned are known to a standard `position_deviation` [m]. The others are
-    those of `bridgectl.daf`.
+    above; `beside` weighs what else counts; the places returned are known to a standard
+    `position_deviation` [m]. The others are those of `bridgectl.daf`.
 
     >>> import bridgectl as bc
     >>> from bridgectl.dampers.peak_value import peak_values
@@ -164,10 +169,12 @@ def peak_values(
     sweep = _Backward(known, weights, beta, curvature, position_deviation)
     gains = np.zeros((len(nodes), *measured.shape[:2]))
     constant = np.zeros(gains.shape[:2])
+    side = side_worth(vehicle, beside, soft, stiff, crossing_time(beam, c)).states
+    of_side = np.pad(side, ((0, 0), (0, crossing.n_states - crossing.n_vehicle)))
     for k, ahead in _backward(known):
         sweep.step_back(k, durations[k])
         constant[k], per_state = sweep.worth(k, ahead)
-        gains[k] = np.einsum("dn,dnm->dm", per_state, to_states[max(k - entry, 0)])
+        gains[k] = np.einsum("dn,dnm->dm", per_state + of_side, to_states[max(k - entry, 0)])
     smooth = np.einsum("dmn,kn->kdm", measured, bridge.states[0])
     constant[entry:] -= (gains[entry:] * smooth).sum(axis=2)
     return [

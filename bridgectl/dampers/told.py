@@ -27,4 +27,5 @@ def _told(damper: Damper, speeds: FloatArray) -> list[Any]:
         [damper.position_error, damper.position_deviation],
         [damper.position_drift, damper.speed_error],
         [damper.acceleration_noise, damper.travel_noise],
+        *([seeing] if any(seeing := [damper.preview_noise, damper.preview_delay]) else []),
     ]

@@ -194,8 +194,8 @@ def _with(damper: Damper, error: Error, known: Crossing, speed: float) -> Damper
             law.for_speed(speed)
         except ValueError as reason:
             raise _UntoldError from reason
-    changed = dataclasses.replace(damper, strategy=law, **error.damper)
-    return dataclasses.replace(changed, **dict.fromkeys(_idle(law, speed), 0.0))
+    fields: dict[str, Any] = {**error.damper, **dict.fromkeys(_idle(law, speed), 0.0)}
+    return dataclasses.replace(damper, strategy=law, **fields)
 
 
 def _sensors(name: str, known: Crossing) -> Sensors:
@@ -215,6 +215,6 @@ NEEDS = {
 def _idle(law: Strategy, speed: float) -> list[str]:
     """Fields of a damper that are errors of what its strategy does not measure."""
     at_speed = law.for_speed(speed)
-    used = [name for name in at_speed.used]
+    used = at_speed.used
     idle = [name for name, signal in NEEDS.items() if not any(signal in each for each in used)]
     return idle + (["speed_error"] if at_speed is law and "speed" not in used else [])

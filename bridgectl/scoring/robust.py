@@ -11,7 +11,7 @@ import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -170,8 +170,9 @@ def _cases(
 ) -> dict[Place, Case | None]:
     """What is to be done, by strategy, error and class; None where it cannot be done."""
     speed, found = float(study.speeds[0]), dict[Place, Case | None]()
-    each = [(name,) for name in sorted(set(study.road_classes))]
-    together = [tuple(name for (name,) in each)]
+    names = sorted(set(study.road_classes))
+    each: list[Classes] = [(name,) for name in names]
+    together: list[Classes] = [tuple(names)]
     noisy = any(error.noise for error in errors)
     moved = {of: _velocity(study, devices[0], of) for of in each} if noisy else {}
     for j, error in enumerate(errors):
@@ -183,7 +184,8 @@ def _cases(
                 own = error._replace(damper={**error.damper, **noise})
             for i, device in enumerate(devices):
                 fitted = with_error(device, own, study.crossing, speed)
-                found[i, j, classes] = fitted and Case(crossing, fitted, classes)
+                case = None if fitted is None else Case(crossing, fitted, classes)
+                found[i, j, classes] = case
     return found
 
 

@@ -81,9 +81,7 @@ def _summary(found: Found, road_class: str) -> Table:
         worst = max(known, key=lambda row: row.daf.mean)
         wrong = [row for row in known if row.error.kind != RIGHT]
         kinds = {row.error.kind for row in rows}
-        together = (
-            _marked(found.change(name, TOGETHER, road_class)) if TOGETHER in kinds else "-"
-        )
+        together = _marked(found.change(name, TOGETHER, road_class)) if TOGETHER in kinds else "-"
         table.add_row(
             name, _marked(found.change(name, road_class=road_class)), together,
             f"{worst.daf.mean:+.3f}", str(worst.error),

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl._checks import FloatArray
+from bridgectl.dampers.compiled import compiled
 from bridgectl.dampers.expression import INPUTS, SAMPLE_TIME, at_sample, numbers
 from bridgectl.dampers.strategy import Strategy
 
@@ -95,6 +96,7 @@ class BatchLaw:
         self.signals = self.laws[0].signals
         self.preview: FloatArray = np.array([law.preview for law in self.laws], dtype=np.float64)
         self.steps = _merged([law.function for law in self.laws])
+        self.functions = [] if self.steps else [compiled(law.function) for law in self.laws]
         self._know({})
 
     def start(self, n_speeds: int, n_roads: int) -> FloatArray:
@@ -179,8 +181,8 @@ class BatchLaw:
         ends = np.cumsum([len(each) for each in columns])[:-1]
         several = np.split(rows, shape[0], axis=1) if len(self.laws) > 1 else [rows]
         found = [
-            at_sample(self.name, law.function, *np.split(part.reshape(len(part), -1), ends))
-            for law, part in zip(self.laws, several, strict=False)
+            at_sample(self.name, function, *np.split(part.reshape(len(part), -1), ends))
+            for function, part in zip(self.functions, several, strict=False)
         ]
         c, after = (np.concatenate(each, axis=-1) for each in zip(*found, strict=True))
         return c.reshape(shape), np.moveaxis(after.reshape(-1, *shape), 0, 1)

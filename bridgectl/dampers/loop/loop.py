@@ -95,7 +95,7 @@ class Loop:
             told = speeds * (1 + damper.speed_error)
             law = BatchLaw(damper.strategy, [*told], gains, damper.sample_time)
             roads, behind = (stations, self.drops, crossing.beam.length), self.legs.offsets[leg]
-            of_leg = dampers.legs[leg], self.start - behind
+            of_leg = dampers.legs[leg], law.preview.shape[1], self.start - behind
             errors = Errors(damper, self.plan, speeds, *roads, *of_leg)
             if not damper.position_deviation:  # else each road has places of its own
                 places = errors.told(self.plan.edges[..., 0] - behind) + errors.places
@@ -205,7 +205,7 @@ class Loop:
         ):
             others = {name: told[of][signal] for name, signal, of in self.others[leg]}
             memory = now.memory[:, slice(*self.of_memory[leg : leg + 2])]
-            ahead = self._ahead(k, now.peak.shape, leg)
+            ahead = self.errors[leg].ahead(k, self._ahead(k, now.peak.shape, leg))
             wanted, memory[:] = controller.command({**told[leg], **others}, memory, ahead, k)
             command = now.command[:, leg]
             switched = (wanted > self.middle[leg]) != (command > self.middle[leg])
@@ -244,11 +244,15 @@ class Loop:
         }  # fmt: skip
 
     def _ahead(self, k: int, shape: tuple[int, ...], leg: int) -> FloatArray:
-        """Elevations ahead less that under the tire [m], (S, n, R): drops are positive down."""
+        """Elevations ahead less that under the tire [m], (S, n, R): drops are positive down.
+
+        Where the tire was when they were seen.
+        """
         distances, x = self.controllers[leg].preview, self.stepper.stations
         if distances.shape[1] == 0:
             return np.zeros((shape[0], 0, shape[1]))
         tire = self.plan.edges[: shape[0], k, :1] - self.legs.offsets[leg]
+        tire = tire - self.errors[leg].delay * self.speeds[: shape[0], np.newaxis]
         places = np.concatenate([tire, tire + distances[: shape[0]]], axis=1)
         piece = np.clip(np.searchsorted(x, places, side="right") - 1, 0, x.size - 2)
         share = np.clip((places - x[piece]) / (x[piece + 1] - x[piece]), 0.0, 1.0)  # level beyond

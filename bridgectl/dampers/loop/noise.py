@@ -21,13 +21,14 @@ PIECE = 0.1
 ROUND = 1e-8
 """Drops [m], and speeds [m/s], that differ by less are the same: far above round-off."""
 
-OF_POSITION, OF_SENSORS, OF_LEG = 1, 2, 100
-"""What tells random numbers for errors of position, and for the noise of accelerometers and travel
-sensors, from those for velocities; and those at a leg, by its number, from the first one's. A
-vehicle has one odometer, and no leg an error of position of its own."""
+OF_POSITION, OF_SENSORS, OF_PREVIEW, OF_LEG = 1, 2, 3, 100
+"""What tells random numbers for errors of position, for the noise of accelerometers and travel
+sensors, and for that of what is seen ahead, from those for velocities; and those at a leg, by its
+number, from the first one's. A vehicle has one odometer, and no leg an error of position of its
+own."""
 
 ROUNDS = 64
-"""Rounds whose noise is drawn at once."""
+"""Rounds whose noise is drawn at once: fewer of more than two signals."""
 
 
 NOISY = ("body_velocity", "axle_velocity")
@@ -52,6 +53,7 @@ class Errors:
         drops: FloatArray,
         end: float,
         leg: int = 0,
+        n_ahead: int = 0,
         start: float = 0.0,
     ) -> None:
         crossings, other = (speeds, stations, drops, end), [OF_LEG + leg] if leg else []
@@ -70,6 +72,13 @@ class Errors:
             for names, deviations, kind in kinds
             if any(deviations)
         ]
+        self.delay, deviations = damper.preview_delay, [damper.preview_noise] * n_ahead
+        """How old what is seen ahead is [s]."""
+        self.seen = (
+            Noise(damper.seed, deviations, plan, *crossings, OF_PREVIEW, *other)
+            if any(deviations)
+            else None
+        )
 
     def told(self, places: FloatArray) -> FloatArray:
         """Positions told [m] at true places (S, n), but for the error of a crossing."""
@@ -87,6 +96,13 @@ class Errors:
             if names is NOISY:
                 found["suspension_velocity"] = found[names[0]] - found[names[1]]
         return found
+
+    def ahead(self, k: int, elevations: FloatArray) -> FloatArray:
+        """Elevations seen ahead in round k [m], (S, n, R), with their noise."""
+        if self.seen is None:
+            return elevations
+        drawn = self.seen.at(k, elevations[:, 0].shape)
+        return np.asarray(elevations + np.moveaxis(drawn, 0, 1))
 
 
 class Noise:
@@ -109,6 +125,7 @@ class Noise:
         *kind: int,
     ) -> None:
         self.deviations, self.plan = deviations, plan
+        self.rounds = max(1, min(ROUNDS, 2 * ROUNDS // len(deviations)))
         self.streams = _streams(seed, speeds, stations, drops, end, *kind)
         self.drawn = np.zeros((0, len(deviations), len(speeds), drops.shape[1]))
         self.first = 0
@@ -123,10 +140,10 @@ class Noise:
         """Draw the noise of the rounds from k on; rounds follow each other."""
         self.first = k
         n = len(self.deviations)
-        self.drawn = np.zeros((ROUNDS, n, len(self.streams), len(self.streams[0])))
+        self.drawn = np.zeros((self.rounds, n, len(self.streams), len(self.streams[0])))
         for i, streams in enumerate(self.streams):
             begin = max(int(self.plan.first[i]) - k, 0)
-            count = min(int(self.plan.last[i]) - k, ROUNDS) - begin
+            count = min(int(self.plan.last[i]) - k, self.rounds) - begin
             if count > 0:
                 for j, stream in enumerate(streams):
                     own = stream.normal(0.0, self.deviations, (count, n))
