@@ -29,7 +29,7 @@ PASSIVE, CONSTANT = "passive", "constant"
 """What --strategies calls the vehicle's own damper, and the constant dampers together."""
 
 CAREFUL, SIMPLE = "careful bridgehook", "simple bridgehook"
-"""Bridgehook made for errors, and the same without feedback: strategies of --robust."""
+"""Bridgehook made for errors, and the same without feedback."""
 
 LAG, DEVIATION = 0.01, 1.5
 """The lag [s] and the deviation of the position [m] that they are made for."""
@@ -55,7 +55,9 @@ The effect is the bending moment at --section alone; `bridgectl dae` takes other
 With --robust the study is another one: what each strategy, made for this bridge and vehicle, gains
 or loses when something is wrong (frequency and damping of the bridge, load, the speed and position
 that it is told, lag, samples, noise, filters for velocities, or all at once), for each road class
-beside the vehicle's own damper; harm is marked. It takes two minutes on two cores.
+beside the vehicle's own damper; harm is marked. It takes two minutes on two cores. There are four
+more strategies: careful bridgehook (made for 10 ms of lag and a position known to 1.5 m), simple
+bridgehook (the same without feedback), rollout and preview 10 m, which take some minutes each.
 
 The library: passive (the vehicle's own), preset, skyhook, continuous skyhook, groundhook, tire
 groundhook, extended groundhook, selective groundhook, hybrid, ADD, SH-ADD, PDD, clipped LQR,
@@ -200,16 +202,17 @@ def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[
 
 
 def _made_for_errors(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[Strategy]:
-    """Bridgehook made for some lag and an unsure position, with feedback and without."""
-    from bridgectl.dampers import bridgehook
+    """Bridgehook made for some lag and an unsure position, and the strategies that predict."""
+    from bridgectl.dampers import bridgehook, preview_hook, rollout_hook
 
+    case = beam, vehicle, args.c_min, args.c_max
+    predict = (rollout_hook, preview_hook) if isinstance(vehicle, bc.QuarterCar) else ()
     return [
         bridgehook(
-            beam, vehicle, args.c_min, args.c_max, section=args.section, feedback=feedback,
-            lag=LAG, position_deviation=DEVIATION,
+            *case, section=args.section, feedback=feedback, lag=LAG, position_deviation=DEVIATION
         ).renamed(name)
         for name, feedback in ((CAREFUL, True), (SIMPLE, False))
-    ]  # fmt: skip
+    ] + [law(*case, section=args.section) for law in predict]
 
 
 def _constants(c_min: float, c_max: float, own: set[float]) -> list[Strategy]:
