@@ -9,7 +9,8 @@ Its rooms, each of which imports from those below it alone (`lint-imports`, `tes
 
     cli         the commands: options, tables
     paper       parameters, printed numbers and validation of the paper
-    scoring     scores of damper strategies: run, board, text, file; animation, envelopes
+    scoring     scores of damper strategies: run, board, text; tune their gains;
+                animation, envelopes
     fleet       random and weighed trucks, what they do to a bridge: assess, its extreme values
     simulate    the front door: crossing_response, daf, ramp_surface choose an engine
     dampers     strategies; loop/ closed loops, optimum/ the best with all known;  extremes
@@ -84,6 +85,8 @@ if TYPE_CHECKING:
     from bridgectl.scoring.ramp_heights import ramp_heights
     from bridgectl.scoring.robust import robustness
     from bridgectl.scoring.run import score
+    from bridgectl.scoring.tune import tune
+    from bridgectl.scoring.tuning import Tuning
     from bridgectl.simulate import crossing_response, daf, peak_effect, ramp_surface
     from bridgectl.surface.expected import SurfaceFileError
     from bridgectl.surface.load import load_surface
@@ -114,6 +117,7 @@ __all__ = [
     "Stress",
     "SurfaceFileError",
     "TireForce",
+    "Tuning",
     "Vehicle",
     "assess",
     "calibrated_class_dae",
@@ -135,6 +139,7 @@ __all__ = [
     "read_tracks",
     "robustness",
     "score",
+    "tune",
     "utia_road",
     "write_profile",
 ]
@@ -180,6 +185,8 @@ _HOMES = {
     "scoring.ramp_heights": ("ramp_heights",),
     "scoring.robust": ("robustness",),
     "scoring.run": ("score",),
+    "scoring.tune": ("tune",),
+    "scoring.tuning": ("Tuning",),
     "simulate": ("crossing_response", "daf", "peak_effect", "ramp_surface"),
     "surface.expected": ("SurfaceFileError",),
     "surface.load": ("load_surface",),

@@ -206,7 +206,7 @@ def _has_unit(text: str) -> bool:
 
 def test_there_are_few_public_names_and_each_is_offered_once():
     names = [name for _, name in _names()]
-    assert len(TOP) <= 102
+    assert len(TOP) <= 104
     assert sorted(names) == sorted({*names})
 
 
@@ -334,6 +334,12 @@ def things(bridge, truck):
         **dict.fromkeys(words.USUAL[:2] + words.USUAL[5:], np.ones(2)),
         **{f"{of} moment": np.ones(2) for of in words.OF_EFFECT},
     }, {"moment": "N m"})  # fmt: skip
+    daf = np.ones((2, 2, 3))
+    tuned = bc.Tuning(
+        dampers.hybrid(1e3, 30e3), ("share",), np.array([0.5]), np.array([0.4]),
+        np.array([[0.0, 1.0]]), "daf", "generations", np.inf, np.ones(3), surface.speeds, daf, daf,
+        {}, 1.0, False, bridge, truck, 0.0,
+    )  # fmt: skip
     result = paper.Row("critical speed", "km/h", 105.0, 104.0)
     light = WarningLight(0.02, 100, 10, 8, 7)
     order = Agreement(0.8, 0.7, 0.9), Pairs(41, 44)
@@ -341,6 +347,7 @@ def things(bridge, truck):
     judged = DamperCase(25.0, "A", ("a", "b", "c"), 2, daf, daf, daf, np.array([1.0, 1.1, 1.2]))
     return [
         bridge, truck, truck.linear, bc.Crossing(bridge, truck), road, surface, board, assessment,
+        tuned,
         *[board.rows()[0], board.difference("skyhook"), bc.dae_trust(surface, road)],
         bc.prediction_matrices(bridge, truck, 25.0), bc.Moment(10.0), bc.Deflection(10.0),
         bc.TireForce(), bc.BodyAcceleration(), bc.Motion(25.0), bc.Shear(10.0), bc.Reaction(10.0),

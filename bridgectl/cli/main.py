@@ -21,6 +21,7 @@ from bridgectl.cli.assess import ASSESS_HELP, add_assess_options, run_assess
 from bridgectl.cli.dae import DAE_HELP, add_dae_options, run_dae
 from bridgectl.cli.score import SCORE_HELP, add_score_options, run_score
 from bridgectl.cli.trucks import TRUCKS_HELP, add_trucks_options, run_trucks
+from bridgectl.cli.tune import TUNE_HELP, add_tune_options, run_tune
 
 SEGMENT = 100.0
 """Segments of a road that get an IRI each [m]."""
@@ -32,6 +33,7 @@ What a road does to a bridge, and what dampers can do about it: dynamic amplific
 crossing.
 
   bridgectl score     damper strategies, scored for a bridge: amplification, road wear, ride
+  bridgectl tune      gains of a damper strategy, tuned for a bridge and judged on other roads
   bridgectl dae       the dynamic amplification estimate (DAE) of a measured road
   bridgectl assess    what random traffic does to a bridge: amplification, characteristic effects
   bridgectl profile   roughness (IRI), spectrum and ISO 8608 class of a road file
@@ -185,6 +187,8 @@ def _parser() -> _Parser:
 
     score = command("score", run_score, "damper strategies, scored for a bridge", SCORE_HELP)
     add_score_options(score)
+    brief = "gains of a damper strategy, tuned for a bridge"
+    add_tune_options(command("tune", run_tune, brief, TUNE_HELP))
     brief = "what random traffic does to a bridge"
     add_assess_options(command("assess", run_assess, brief, ASSESS_HELP))
     add_dae_options(command("dae", run_dae, "DAE and DAF of a measured road", DAE_HELP))

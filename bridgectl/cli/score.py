@@ -108,6 +108,11 @@ def _add_damper_options(parser: argparse.ArgumentParser) -> None:
         group, "--strategies", "NAME,NAME", "those of the library to score beside the vehicle's "
         "own damper; 'constant' for the constant dampers (default all)",
     )  # fmt: skip
+    add_hardware_options(group)
+
+
+def add_hardware_options(group: argparse._ArgumentGroup) -> None:
+    """Add the damper's range, and what makes it less than ideal."""
     for option, default, text in (
         ("--c-min", 1e3, "least damping [N s/m] (default 1000)"),
         ("--c-max", 30e3, "largest damping [N s/m] (default 30000)"),
@@ -175,6 +180,22 @@ def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[
     """The strategies that are asked for, each in a damper."""
     from bridgectl.dampers import Damper, library
 
+    c_min, c_max, sample_time, hardware = checked_hardware(args, vehicle)
+    own, *others = library(beam, vehicle, c_min, c_max, section=args.section)
+    if args.robust:
+        others += _made_for_errors(args, beam, vehicle)
+    names = ROBUST if args.robust and args.strategies is None else args.strategies
+    constants = _constants(c_min, c_max, set(vehicle.linear.damper_dampings.tolist()))
+    return [
+        Damper(strategy, sample_time, **({} if strategy.c_min == strategy.c_max else hardware))
+        for strategy in [own, *_chosen(names, others, constants)]
+    ]
+
+
+def checked_hardware(
+    args: argparse.Namespace, vehicle: Any
+) -> tuple[float, float, float, dict[str, Any]]:
+    """Bounds of the damping [N s/m], sample time [s], and arguments of `Damper` beside them."""
     c_min = check.positive("--c-min", args.c_min, unit="N s/m")
     c_max = check.positive("--c-max", args.c_max, unit="N s/m")
     if not c_min < c_max:
@@ -189,16 +210,7 @@ def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[
     }
     if not args.max_force > 0:
         raise ValueError(f"--max-force must be above 0 [N], got {args.max_force:g}")
-    sample_time = check.positive("--sample-time", args.sample_time, unit="s")
-    own, *others = library(beam, vehicle, c_min, c_max, section=args.section)
-    if args.robust:
-        others += _made_for_errors(args, beam, vehicle)
-    names = ROBUST if args.robust and args.strategies is None else args.strategies
-    constants = _constants(c_min, c_max, set(vehicle.linear.damper_dampings.tolist()))
-    return [
-        Damper(strategy, sample_time, **({} if strategy.c_min == strategy.c_max else hardware))
-        for strategy in [own, *_chosen(names, others, constants)]
-    ]
+    return c_min, c_max, check.positive("--sample-time", args.sample_time, unit="s"), hardware
 
 
 def _made_for_errors(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[Strategy]:

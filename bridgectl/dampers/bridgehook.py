@@ -16,9 +16,10 @@ pass through the crossing's own transition matrices::
 
     sigma(t) = lambda(t)' B_F,   lambda' = -A' lambda,   lambda(t*)' = row of M
 
-Elsewhere the damper is passive. Either needs position and speed, and no preview of the road. Of a
-position that is known to a standard deviation d alone, the mean counts, that of the sigmas of all
-places where the tire may be::
+Elsewhere the damper is passive. Either needs position and speed, and no preview of the road. Where
+the ride counts too, sigma holds what a force is worth to it, and c need not be at a bound: see
+`bridgectl.dampers.weights`. Of a position that is known to a standard deviation d alone, the mean
+counts, that of the sigmas of all places where the tire may be::
 
     sigma(x) = E[sigma(x + d n)],  n normal with mean 0 and deviation 1
 """
@@ -268,6 +269,19 @@ def bridgehook(
     More deviation does better than to be passive where |sigma| is below its own deviation over the
     places: that is at -0.044 -0.078 without an error, 1.5 m of deviation at -0.057 -0.092, and at
     3 m both are at -0.004 -0.011. `bridgectl.robustness` tries these errors and others.
+
+    It doubles acceleration and travel; by weights they are spared. Mean DAF at 70, 90 and 108 km/h,
+    50 roads of class A and of class B, 95 % within 0.004 (A) and 0.009 (B) of the difference from
+    passive; ride weighted as ISO 2631-1 does, and largest travel, over passive's::
+
+        ride, tire_force     A: DAF  ride  travel     B: DAF  ride  travel
+        passive               1.071  1.00  1.00        1.087  1.00  1.00
+        0, 0                  0.995  1.61  2.01        0.973  1.60  1.97
+        0.1, 0.8              0.996  1.53  2.00        0.975  1.40  1.84
+        0.2, 1.6              0.997  1.44  1.90        0.981  1.27  1.59
+        0.4, 0                1.000  1.24  1.57        0.997  1.13  1.28
+        0.4, 3.2              1.000  1.31  1.64        0.989  1.17  1.31
+        1.6, 12.8             1.010  1.11  1.05        1.004  1.03  0.96
 
     At every axle of a truck each damper counts on bridgehook at the others. Trucks of the catalog
     on springs for tires, c from 2 to 30 kN s/m, 100 roads of class A and of class B, 60 to 120

@@ -1,7 +1,7 @@
 """Damping programs: a damping for each place, decided before the crossing.
 
 A program measures nothing but the position, so a crossing with it stays linear in the road, and
-superposition exact.
+superposition exact. Its dampings may be gains, for `bridgectl.tune` to change.
 """
 
 from __future__ import annotations
@@ -14,15 +14,59 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl.dampers.gains import damping_bounds
 from bridgectl.dampers.strategy import Strategy
 
 SHAPES = ("steps", "lines")
 """A damping is held to the next position, or changes in a straight line to the next one."""
 
 
+class Program(Strategy):
+    """The program strategy; made by `program`. With bounds, its dampings are gains."""
+
+    def __init__(
+        self, name: str, positions: FloatArray, dampings: FloatArray, shape: str,
+        bounds: tuple[float, float] | None,
+    ) -> None:  # fmt: skip
+        self.positions, self.shape, self._fixed = positions, shape, dampings
+        c_min, c_max = (dampings.min(), dampings.max()) if bounds is None else bounds
+        names = [] if bounds is None else [f"damping_{i}" for i in range(1, dampings.size + 1)]
+        gains = {k: (float(c), c_min, c_max) for k, c in zip(names, dampings, strict=False)}
+
+        def law(s: Any, g: Any) -> Any:
+            # Choices instead of ca.pw_const or ca.pw_lin: those add up differences, so that a
+            # damping is right but for rounding, and the latter goes on beyond the ends.
+            c = [getattr(g, each) for each in names] or [*dampings]
+            slopes: list[Any] = [0.0] * len(c)
+            if shape == "lines":
+                slopes[:-1] = [
+                    (c[i + 1] - c[i]) / length for i, length in enumerate(np.diff(positions))
+                ]
+            command: Any = c[0] + 0 * s.position
+            for start, damping, slope in zip(positions, c, slopes, strict=True):
+                command = ca.if_else(
+                    s.position >= start, damping + slope * (s.position - start), command
+                )
+            return command
+
+        super().__init__(name, law, float(c_min), float(c_max), gains)
+
+    @property
+    def dampings(self) -> FloatArray:
+        """Dampings at the positions [N s/m]."""
+        return np.array([*self.gains.values()]) if self.gains else self._fixed
+
+    def __repr__(self) -> str:
+        return (
+            f"Program({self.name!r}, {self.positions.size} places from {self.positions[0]:g} to "
+            f"{self.positions[-1]:g} m, c from {self.c_min:g} to {self.c_max:g} N s/m)"
+        )
+
+
 def program(
-    positions: ArrayLike, dampings: ArrayLike, *, name: str = "program", shape: str = "steps"
-) -> Strategy:
+    positions: ArrayLike, dampings: ArrayLike, *, name: str = "program", shape: str = "steps",
+    bounds: tuple[float, float] | None = None,
+) -> Program:  # fmt: skip
     """Return a damping program c(x), x being the position of the reference tire.
 
     Parameters
@@ -37,10 +81,13 @@ def program(
     shape : {'steps', 'lines'}, optional
         'steps' has the damping of a place from it on up to the next, 'lines' joins them by straight
         lines. Either has the first damping before the first place and the last after the last.
+    bounds : tuple of float, optional
+        Least and largest damping [N s/m], between which each damping is a gain of the strategy,
+        `damping_1`, `damping_2`, ...: see `bridgectl.tune`. Default: the dampings stay as they are.
 
     Returns
     -------
-    Strategy
+    Program
 
     Raises
     ------
@@ -65,21 +112,16 @@ def program(
     x = check.array("positions", positions, (None,), unit="m")
     c = check.array("dampings", dampings, (None,), unit="N s/m")
     _check_table(x, c)
-    slopes = np.zeros(c.size)
-    if shape == "lines":
-        slopes[:-1] = np.diff(c) / np.diff(x)
+    return Program(name, x, c, shape, None if bounds is None else _checked_bounds(bounds))
 
-    def law(s: Any, g: Any) -> Any:
-        # Choices instead of ca.pw_const or ca.pw_lin: those add up differences, so that a damping
-        # is right but for rounding, and the latter goes on beyond the ends.
-        command: Any = c[0] + 0 * s.position
-        for start, damping, slope in zip(x, c, slopes, strict=True):
-            command = ca.if_else(
-                s.position >= start, damping + slope * (s.position - start), command
-            )
-        return command
 
-    return Strategy(name, law, float(c.min()), float(c.max()))
+def _checked_bounds(bounds: Any) -> tuple[float, float]:
+    if not isinstance(bounds, tuple | list) or len(bounds) != 2:
+        raise TypeError(
+            f"bounds must be the least and the largest damping, got {bounds!r}: type for example "
+            "(1e3, 30e3)"
+        )
+    return damping_bounds(*bounds)
 
 
 def _check_table(x: FloatArray, c: FloatArray) -> None:

@@ -1,1 +1,1 @@
-"""Scores of damper strategies: run, board, text and the file of work in progress."""
+"""Scores of damper strategies: run, board, text; and the tuning of their gains: tune, search."""

@@ -110,7 +110,8 @@ def study(name, n_roads):
         row(f"passive {c / 1e3:g} kN s/m", found, base)
     fronts = {}
     for ratio in TIRES:
-        print(f"tire_force = {ratio:g} ride" if ratio else "ride alone")
+        front = f"ride, tire_force = {ratio:g} ride" if ratio else "ride alone"
+        print(front)
         rides = {ride: hook(roads, ride=ride, tire_force=ratio * ride) for ride in RIDES}
         for ride, found in rides.items():
             row(f"ride={ride:.3g}", found, base)
@@ -118,7 +119,7 @@ def study(name, n_roads):
             ride = within(limit, base, rides)
             found = hook(roads, ride=ride, tire_force=ratio * ride)
             row(f"within {limit:g} x passive: ride={ride:.3g}", found, base)
-        fronts[f"ride, tire_force = {ratio:g} ride"] = rides.values()
+        fronts[front] = rides.values()
     others = [hook(roads, **weights) for weights in OTHERS]
     for weights, found in zip(OTHERS, others, strict=True):
         row(", ".join(f"{key}={value:g}" for key, value in weights.items()), found, base)
