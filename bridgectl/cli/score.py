@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -25,8 +26,9 @@ RANDOM_CLASSES = "AB"
 N_CONSTANT = 5
 """Constant dampers between the bounds, beside the vehicle's own."""
 
-PASSIVE, CONSTANT = "passive", "constant"
-"""What --strategies calls the vehicle's own damper, and the constant dampers together."""
+PASSIVE, CONSTANT, ROLLOUT = "passive", "constant", "rollout"
+"""What --strategies calls the vehicle's own damper, the constant dampers together, and the strategy
+that predicts peaks without preview."""
 
 CAREFUL, SIMPLE = "careful bridgehook", "simple bridgehook"
 """Bridgehook made for errors, and the same without feedback."""
@@ -55,13 +57,14 @@ The effect is the bending moment at --section alone; `bridgectl dae` takes other
 With --robust the study is another one: what each strategy, made for this bridge and vehicle, gains
 or loses when something is wrong (frequency and damping of the bridge, load, the speed and position
 that it is told, lag, samples, noise, filters for velocities, or all at once), for each road class
-beside the vehicle's own damper; harm is marked. It takes two minutes on two cores. There are four
-more strategies: careful bridgehook (made for 10 ms of lag and a position known to 1.5 m), simple
-bridgehook (the same without feedback), rollout and preview 10 m, which take some minutes each.
+beside the vehicle's own damper; harm is marked. It takes two minutes on two cores. There are two
+more strategies: careful bridgehook (made for 10 ms of lag and a position known to 1.5 m) and simple
+bridgehook (the same without feedback).
 
 The library: passive (the vehicle's own), preset, skyhook, continuous skyhook, groundhook, tire
 groundhook, extended groundhook, selective groundhook, hybrid, ADD, SH-ADD, PDD, clipped LQR,
-bridgehook.
+bridgehook. Slower ones by --strategies alone, of a quarter-car: rollout, which predicts the peak of
+what it commands, and 'preview 10 m', which sees the road as far ahead.
 
 ROAD is delimited text, ERD text or OpenCRG, whose units the file states ('x [m], z [mm]') or
 --units tells; the file options hold for all of them. Without ROAD: a measured road that comes with
@@ -186,9 +189,13 @@ def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[
         others += _made_for_errors(args, beam, vehicle)
     names = ROBUST if args.robust and args.strategies is None else args.strategies
     constants = _constants(c_min, c_max, set(vehicle.linear.damper_dampings.tolist()))
+
+    def rollout(name: str) -> Strategy | None:
+        return _rollout(name, beam, vehicle, c_min, c_max, section=args.section)
+
     return [
         Damper(strategy, sample_time, **({} if strategy.c_min == strategy.c_max else hardware))
-        for strategy in [own, *_chosen(names, others, constants)]
+        for strategy in [own, *_chosen(names, others, constants, rollout)]
     ]
 
 
@@ -214,17 +221,26 @@ def checked_hardware(
 
 
 def _made_for_errors(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[Strategy]:
-    """Bridgehook made for some lag and an unsure position, and the strategies that predict."""
-    from bridgectl.dampers import bridgehook, preview_hook, rollout_hook
+    """Bridgehook made for some lag and an unsure position, with feedback and without."""
+    from bridgectl.dampers import bridgehook
 
     case = beam, vehicle, args.c_min, args.c_max
-    predict = (rollout_hook, preview_hook) if isinstance(vehicle, bc.QuarterCar) else ()
     return [
         bridgehook(
             *case, section=args.section, feedback=feedback, lag=LAG, position_deviation=DEVIATION
         ).renamed(name)
         for name, feedback in ((CAREFUL, True), (SIMPLE, False))
-    ] + [law(*case, section=args.section) for law in predict]
+    ]
+
+
+def _rollout(name: str, *case: Any, section: float) -> Strategy | None:
+    """The strategy that predicts peaks of a name, with its preview; None of other names."""
+    from bridgectl.dampers import preview_hook, rollout_hook
+
+    if name == ROLLOUT:
+        return rollout_hook(*case, section=section)
+    found = re.fullmatch(r"preview (\d+(?:\.\d+)?) m", name)
+    return preview_hook(*case, preview=float(found[1]), section=section) if found else None
 
 
 def _constants(c_min: float, c_max: float, own: set[float]) -> list[Strategy]:
@@ -240,8 +256,9 @@ def _constants(c_min: float, c_max: float, own: set[float]) -> list[Strategy]:
 
 
 def _chosen(
-    text: str | None, others: Sequence[Strategy], constants: Sequence[Strategy]
-) -> list[Strategy]:
+    text: str | None, others: Sequence[Strategy], constants: Sequence[Strategy],
+    rollout: Callable[[str], Strategy | None],
+) -> list[Strategy]:  # fmt: skip
     """The strategies that --strategies names, in its order."""
     if text is None:
         return [*others, *constants]
@@ -249,8 +266,11 @@ def _chosen(
     known |= {PASSIVE: [], CONSTANT: list(constants)}
     names = [" ".join(name.split()).lower() for name in text.split(",")]
     for name in names:
+        if name not in known and (found := rollout(name)):
+            known[name] = [found]
         if name not in known:
-            listed = ", ".join([PASSIVE, *(strategy.name for strategy in others), CONSTANT])
+            library = (strategy.name for strategy in others)
+            listed = ", ".join([PASSIVE, *library, CONSTANT, ROLLOUT, "preview 10 m"])
             raise ValueError(f"--strategies: there is no {name!r}; there are: {listed}")
         if names.count(name) > 1:
             raise ValueError(f"--strategies names {name!r} twice")

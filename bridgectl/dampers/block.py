@@ -10,6 +10,7 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl.dampers.compiled import compiled
 from bridgectl.dampers.expression import at_sample, depends
 from bridgectl.dampers.legs import Legs
 from bridgectl.dampers.signals import SIGNALS, others_of
@@ -124,13 +125,14 @@ def law_block(
     offsets = np.array([wired.behind(of) for _, of in placed])
     rate, row = MOTION.index("suspension_velocity"), np.zeros((len(every), 1))
     n, most = len(rated), len(wired.inputs)
+    function = compiled(law.function)
 
     def sampled(t: float, x: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
         row[read, 0] = (wired.reading @ u[:most])[: len(read)]
         row[[k for k, _ in placed], 0] = velocity * t - offsets
         row[fast], row[rated, 0] = velocity, tire_rates(x, u)
         columns = row, gains, x[n:, np.newaxis], [[time]], u[most:, np.newaxis]
-        c, after = at_sample(law.name, law.function, *columns)
+        c, after = at_sample(law.name, function, *columns)
         return c, after[:, 0]
 
     def tire_rates(x: FloatArray, u: FloatArray) -> FloatArray:

@@ -375,7 +375,8 @@ class Strategy:
         With states or preview it is ``damping(signals, gains, states, sample_time, ahead) -> (c,
         next_states)``: signals in the order of `signals`, gains and states in
         that of `gains` and `states`, these as the last sample left them. What is no finite number
-        the function returns as it is: NaN or infinity.
+        the function returns as it is: NaN or infinity. ``damping_work`` tells how much room it
+        needs, as of functions of CasADi.
 
         Parameters
         ----------

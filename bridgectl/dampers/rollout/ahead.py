@@ -16,6 +16,9 @@ from bridgectl.dampers.rollout.plant import Plant
 from bridgectl.dampers.rollout.table import read
 from bridgectl.road import RoadProfile
 
+FINER = 4
+"""Places of a map for each step: its stations, which a step is as long as, are seen so."""
+
 
 class Seen:
     """Of elevations that are seen at distances ahead [m], straight between them; of none, level."""
@@ -40,15 +43,21 @@ class Mapped:
     """Of a road that is known by its places, so far ahead [m]."""
 
     def __init__(self, plant: Plant, road: RoadProfile, preview: float) -> None:
-        self.table = -np.interp(plant.nodes, road.x, road.elevation)[np.newaxis]
-        self.most = max(1, round(preview / plant.width))
+        count = len(plant.nodes)
+        places = np.interp(np.arange(FINER * count) / FINER, np.arange(count), plant.nodes)
+        self.table = -np.interp(places, road.x, road.elevation)[np.newaxis]
+        self.steps = preview / plant.width
         self.elevations = ca.MX.sym("elevations", 0)
 
     def drops(self, index: Any, share: Any, begin: int, size: int) -> Any:
         """Drops [m], (1, size)."""
-        here = read(self.table, index, share, 1)
-        if begin + 1 >= self.most:
-            return ca.repmat(read(self.table, index + self.most, share, 1) - here, 1, size)
-        drops = read(self.table, index + begin + 1, share, size)
-        known = np.minimum(np.arange(size), self.most - begin - 1)
-        return drops[:, known.tolist()] - here
+        known, place = min(max(int(self.steps) - begin, 0), size), index + share
+        beyond = ca.repmat(self._drops(place + self.steps, 1), 1, size - known)
+        return ca.horzcat(self._drops(place + begin + 1, known), beyond) - self._drops(place, 1)
+
+    def _drops(self, place: Any, size: int) -> Any:
+        """Of places, in steps behind the first node, from one on."""
+        if size == 0:
+            return ca.MX(1, 0)
+        first = ca.floor(FINER * place)
+        return read(self.table, first, FINER * place - first, size, FINER)

@@ -54,7 +54,6 @@ class Rollout(Bridgehook):
         section: float,
         effect: Effect | str,
         hold: float,
-        between: int,
         preview: float = 0.0,
         road_map: RoadProfile | None = None,
         weights: Weights = PEAK_ALONE,
@@ -73,8 +72,6 @@ class Rollout(Bridgehook):
                 f"hold must be at most {LONGEST:g} s, got {hold:g} s: for {hold:g} ms type "
                 f"{hold / 1e3:g}"
             )
-        count = check.integer("between", between, at_least=0)
-        self.between = np.linspace(self.c_min, self.c_max, count + 2)[1:-1].tolist()
 
     def __repr__(self) -> str:
         known = "" if self.road_map is None else f", road_map={self.road_map!r}"
@@ -99,7 +96,7 @@ class Rollout(Bridgehook):
         over: Seen | Mapped = Seen(plant, self._distances)
         if self.road_map is not None:
             over = Mapped(plant, self.road_map, self.preview_distance)
-        rollout = best_function(plant, policy, self.weights, self.between, self.hold, over)
+        rollout = best_function(plant, policy, self.weights, self.hold, over)
         observer = Observer(plant)
 
         def law(s: Any, g: Any) -> Any:
@@ -135,8 +132,6 @@ section, effect : optional
     What it works against: see `bridgectl.daf`. A moment at mid-span if omitted.
 hold : float, optional
     Time [s] that a damping is tried for, before bridgehook's law follows.
-between : int, optional
-    Dampings that are tried beside `c_min` and `c_max`.
 ride, travel, tire_force : float, optional
     What else counts beside the peak, with weights: see `bridgehook`.
 
@@ -162,7 +157,6 @@ def rollout_hook(
     section: float = 0.5,
     effect: Effect | str = "moment",
     hold: float = HOLD,
-    between: int = 0,
     ride: float = 0.0,
     travel: float = 0.0,
     tire_force: float = 0.0,
@@ -186,7 +180,7 @@ def rollout_hook(
     """
     return Rollout(
         "rollout", beam, vehicle, c_min, c_max, section=section, effect=effect, hold=hold,
-        between=between, weights=Weights(ride, travel, tire_force),
+        weights=Weights(ride, travel, tire_force),
     )  # fmt: skip
 
 
@@ -202,7 +196,6 @@ def preview_hook(
     section: float = 0.5,
     effect: Effect | str = "moment",
     hold: float = HOLD,
-    between: int = 0,
     ride: float = 0.0,
     travel: float = 0.0,
     tire_force: float = 0.0,
@@ -232,6 +225,6 @@ def preview_hook(
         require_road(road_map)
     return Rollout(
         f"{'preview' if road_map is None else 'map'} {distance:g} m", beam, vehicle, c_min, c_max,
-        section=section, effect=effect, hold=hold, between=between, preview=distance,
+        section=section, effect=effect, hold=hold, preview=distance,
         road_map=road_map, weights=Weights(ride, travel, tire_force),
     )  # fmt: skip

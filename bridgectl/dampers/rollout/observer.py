@@ -33,16 +33,10 @@ class Observer:
         place = ca.MX.sym("place")
         index = ca.floor(place)
         found = read(plant.shapes, index, place - index, 1)
-        self._found: tuple[Any, Any] = (None, None)  # of a law and its update, which ask in turn
         self.shapes = ca.Function("shapes", [place], [found], APART)
 
     def moved(self, s: Any) -> list[Any]:
         """States as they are at this sample, in their order, and the deflection under the tire."""
-        if self._found[0] is not s:
-            self._found = s, self._moved(s)
-        return self._found[1]
-
-    def _moved(self, s: Any) -> list[Any]:
         shapes, time = self.shapes(self.plant.place(s.position)), s.sample_time
         every = state_matrix(self.beam)
         found, under = [], 0

@@ -27,9 +27,9 @@ from bridgectl.dampers.rollout.table import APART, read
 from bridgectl.dampers.weights import Weights, best_damping, crossing_time, side_cost
 
 SQUARINGS = 6
-"""p = 2^6 = 64. On 16 roads of class A, of 8, 16, 32 and 64 it has the lowest mean DAF at each speed,
-or one higher by 0.0005; the maximum itself is as good with 10 m of preview, and without by 0.003 to
-0.006 worse."""
+"""p = 2^6 = 64. On 16 roads of class A, of 8, 16, 32 and 64, it has the lowest mean DAF at each
+speed, or one higher by 0.0005; the maximum itself is as good with 10 m of preview, and without by
+0.003 to 0.006 worse."""
 
 MARGIN = 6e-5
 """Share of the static effect by which another damping must be better than bridgehook's own."""
@@ -64,15 +64,15 @@ class Policy(NamedTuple):
         bounds = SimpleNamespace(c_min=self.c_min, c_max=self.c_max)
         return best_damping(sigma, self.square, self.passive, up - low, bounds)
 
-    def tried(self, own: Any, between: list[float]) -> list[Any]:
+    def tried(self, own: Any) -> list[Any]:
         """Dampings to try: its own, and others."""
         if self.square == 0:  # it is one of the bounds, and this is the other one
-            return [own, self.c_min + self.c_max - own, *between]
-        return [own, self.c_min, self.c_max, *between]
+            return [own, self.c_min + self.c_max - own]
+        return [own, self.c_min, self.c_max]
 
 
 def best_function(
-    plant: Plant, policy: Policy, weights: Weights, between: list[float], hold: float,
+    plant: Plant, policy: Policy, weights: Weights, hold: float,
     road: Seen | Mapped,
 ) -> ca.Function:  # fmt: skip
     """Return the best damping [N s/m], the dampings that are tried and their costs.
@@ -84,7 +84,7 @@ def best_function(
     index = ca.floor(place)
     share = place - index
     now = ca.vertsplit(read(plant.worth, index, share, 1))
-    tried = ca.horzcat(*policy.tried(policy.damping(now, given[2], given[3]), between))
+    tried = ca.horzcat(*policy.tried(policy.damping(now, given[2], given[3])))
     state = ca.repmat(ca.vertcat(given[:FIRST], 0, 0, given[FIRST:]), 1, tried.numel())
     held, blocks = max(1, round(hold / plant.step)), _Blocks(plant, policy, weights, tried.numel())
     state = blocks.held(held)(index, share, state, road.drops(index, share, 0, held), tried)
