@@ -13,7 +13,7 @@ Its rooms, each of which imports from those below it alone (`lint-imports`, `tes
                 animation, envelopes
     fleet       random and weighed trucks, what they do to a bridge: assess, its extreme values
     simulate    the front door: crossing_response, daf, ramp_surface choose an engine
-    dampers     strategies; loop/ closed loops, optimum/ the best with all known;  extremes
+    dampers     strategies, rollout/ that predict; loop/ closed loops, optimum/ the best;  extremes
     surface     ramp surfaces: compute, histories, DAE, trust, file
     linear      linear crossings: cells, runs, peaks, lift-off
     model       bridge, vehicle (trucks/), load effects, their crossing;  road (files/);  measures

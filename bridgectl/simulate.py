@@ -18,11 +18,11 @@ from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._threads import on_one_thread
 from bridgectl.linear.estimates import require_surface
 from bridgectl.linear.lift_off import warn_of_flight
-from bridgectl.linear.many.crossings import alone, given, is_sequence
+from bridgectl.linear.many.crossings import alone, dafs_at_speeds, given, is_sequence
 from bridgectl.linear.many.front import peaks_of_many, responses_of_many
 from bridgectl.linear.response import METHODS, as_response, linear_response, until
 from bridgectl.linear.runs import Run
-from bridgectl.linear.samples import crossings_of, dafs_of_effects, dafs_of_motions
+from bridgectl.linear.samples import crossings_of, dafs_of_motions
 from bridgectl.linear.start import begin
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import Crossing, make_crossing, require_factor
@@ -422,4 +422,4 @@ def _peaks(
 
             runs = [run._replace(crossing=crossing) for crossing in crossings]
             return np.array([damped_dafs(each, left, speeds) for each in runs])
-    return dafs_of_effects(run, crossings, speeds, method, progress)
+    return dafs_at_speeds(run, crossings, speeds, method, progress)

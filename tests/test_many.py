@@ -13,6 +13,7 @@ from reference_trucks import random_bridge, random_truck
 
 import bridgectl as bc
 from bridgectl.linear import nodes
+from bridgectl.linear.many import crossings as many
 from bridgectl.linear.many.crossings import many_crossings
 from bridgectl.linear.many.places import table
 from bridgectl.model.trucks import Axle, Body, articulated, half_car
@@ -288,6 +289,47 @@ def test_effects_that_arrays_do_not_read_have_the_single_route(bridge, effect):
         one = bridge, vehicles[i], speeds[i], roads[i]
         single = bc.peak_effect(*one, start=START, effect=[effect, "moment"])
         assert np.array_equal(found[:, i], single[:, 0])
+
+
+def test_several_effects_are_found_if_arrays_read_some_of_them_alone(bridge):
+    effects = ["moment", "deflection", bc.BridgeAcceleration(12.0)]
+    car = quarter_car(np.random.default_rng(25))
+    found = bc.peak_effect(bridge, [car, car], 20.0, effect=effects)
+    assert np.array_equal(found[:, 0], bc.peak_effect(bridge, car, 20.0, effect=effects)[:, 0])
+
+
+@pytest.mark.parametrize("effect", ["moment", ["moment", bc.Reaction(0.0)]])
+def test_many_speeds_of_a_truck_go_side_by_side_within_1e_6(bridge, effect, monkeypatch):
+    """That is where it is quicker: a single speed and a quarter-car have exact cells."""
+    rng = np.random.default_rng(26)
+    road = rough_road(26, START, 30.0, height=1e-4)
+    truck, speeds = five_axle(rng), np.linspace(18, 33, 5)
+    single = one_by_one(bridge, [truck] * 5, speeds, [road] * 5, effect=effect)
+    asked = []
+
+    def counted(run, crossings, c, *rest):
+        asked.append(len(c))
+        return one_road(run, crossings, c, *rest)
+
+    one_road = many.peaks_of_effects
+    monkeypatch.setattr(many, "peaks_of_effects", counted)
+    found = bc.daf(bridge, truck, speeds, road, start=START, effect=effect)
+    assert asked == []
+    assert found == pytest.approx(single, abs=1e-6)
+    bc.daf(bridge, truck, 20.0, road, start=START)
+    bc.daf(bridge, quarter_car(rng), speeds, road, start=START)
+    assert asked == [1, 5]
+
+
+def test_speeds_at_which_a_tire_leaves_the_road_are_flown_and_told(bridge):
+    truck, speeds = two_axle(np.random.default_rng(27)), np.array([15, 17, 19, 21, 23, 25.0])
+    bump = bc.RoadProfile(np.arange(-10, 31), np.where(np.arange(-10, 31) == -3, 0.03, 0.0))
+    with pytest.warns(bc.LiftOffWarning, match="at 2 of 6 speeds"):
+        found = bc.daf(bridge, truck, speeds, bump, start=-10)
+    with pytest.warns(bc.LiftOffWarning, match="leaves the road"):
+        single = [bc.daf(bridge, truck, c, bump, start=-10)[0] for c in speeds]
+    assert np.array_equal(found[:2], single[:2])
+    assert found == pytest.approx(single, abs=1e-6)
 
 
 def test_uneven_stations_and_many_modes_have_the_single_route(bridge):

@@ -140,11 +140,13 @@ class Cells:
         states = np.empty((len(initial), len(self.kind) + 1, *initial.shape[1:]))
         states[:, 0] = initial
         if self.n_states > 2 * drive.shape[2]:  # a step is more than the two it is made of
-            stages = drive
+            stages, states[:, 1:] = drive, pitch
+            inputs, from_states = self.inputs, self.from_states
             for c, (kind, cell) in enumerate(zip(self.kind, self.map_of, strict=True)):
-                stages[:, c] += self.from_states[:, cell] @ states[:, c]
-                states[:, c + 1] = self.free[:, kind] @ states[:, c]
-                states[:, c + 1] += self.inputs[:, cell] @ stages[:, c] + pitch[:, c]
+                now, after, own = states[:, c], states[:, c + 1], stages[:, c]
+                own += from_states[:, cell] @ now
+                after += self.free[:, kind] @ now
+                after += inputs[:, cell] @ own
             return states, stages
         push, steps = self.inputs[:, self.map_of] @ drive + pitch, self.steps
         for c, cell in enumerate(self.map_of):
@@ -351,12 +353,11 @@ def _beam_maps(
         # Of each mode by speed, row, cell and stage value.
         response = rows[:, u].swapaxes(0, 1).reshape(n_modes, n_speeds * n_rows, N_FORCES) @ here
         response = response.reshape(n_modes, n_speeds, n_rows, size, q)
-        for j, of_mode in enumerate(response):
-            felt = of_mode.swapaxes(1, 2)[:, :, :, np.newaxis]
-            compliance[:, own] += leading[..., j, np.newaxis][:, own] * felt[:, :, :N_STAGES]
-            if rates is not None:
-                moved = lags * shapes[..., j, np.newaxis][own]
-                compliance[:, own] += moved * felt[:, :, N_ROWS:]
+        # The same by speed, cell, row, mode and stage value.
+        felt = response.transpose(1, 3, 2, 0, 4)
+        compliance[:, own] = leading[:, own] @ felt[:, :, :N_STAGES]
+        if rates is not None:
+            compliance[:, own] += (lags * shapes[own]) @ felt[:, :, N_ROWS:]
         at_end[:, own] = response[:, :, N_STAGES:N_ROWS].transpose(1, 3, 0, 2, 4)
         values = effects[:, u].reshape(n_speeds * len(_INNER), -1) @ here.reshape(-1, size * q)
         effect[:, own] = values.reshape(n_speeds, -1, size, q).swapaxes(1, 2)

@@ -48,12 +48,19 @@ def mode_responses(
     free = _free(phase, damping, duration, points)
     polynomials = _particular(np.maximum(phase, SLOW), damping, len(stages))
     rest = _states(polynomials, np.zeros(1), duration)
-    held = _states(polynomials, points, duration) - free @ rest
+    held = _states(polynomials, points, duration) - _each(free, rest)
     slow = phase < SLOW
     if slow.any():
         series = _series(phase[slow], damping[slow], len(stages))
         held[slow] = _states(series, points, duration[slow])
-    return free, held @ _from_values(bridge, stages)[:, np.newaxis]
+    return free, _each(held, _from_values(bridge, stages)[:, np.newaxis])
+
+
+def _each(rows: FloatArray, matrix: FloatArray) -> FloatArray:
+    """Rows at points (..., p, 2, k) times matrices (..., 1, k, q), all points in one product."""
+    size = rows.shape[-3:]
+    flat = rows.reshape(*rows.shape[:-3], size[0] * size[1], size[2])
+    return np.asarray((flat @ matrix[..., 0, :, :]).reshape(*rows.shape[:-1], matrix.shape[-1]))
 
 
 def _phases(

@@ -59,7 +59,7 @@ def find_peaks(histories: FloatArray, between: Between | None = None) -> Peaks:
     room = (WAVES if fine else 1.0) * margins(histories)
     cells, columns = candidates(histories, histories.max(axis=0) - room)
     if between is not None and fine:
-        columns, cells = np.unique([columns, cells], axis=1)
+        columns, cells = _once(columns, cells)
         values, fractions = _fine_peaks(between, cells, columns)
     else:
         values, fractions = _polynomial_peaks(_around(histories, cells, columns))
@@ -76,10 +76,18 @@ def highest(windows: Sequence[tuple[int, FloatArray]], between: Between) -> Floa
     found = []
     for first, histories in windows:
         cells, columns = candidates(histories, tops - WAVES * rooms)
-        found.append(np.unique([columns, cells + first], axis=1))
-    columns, cells = np.unique(np.concatenate(found, axis=1), axis=1)
+        found.append((columns, cells + first))
+    columns, cells = _once(*np.concatenate(found, axis=1))
     values, _ = _fine_peaks(between, cells, columns)
     return values[_best(values, columns, len(tops))]
+
+
+def _once(
+    columns: NDArray[np.intp], cells: NDArray[np.intp]
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Each pair once, in rising order."""
+    width = cells.max() + 1
+    return np.divmod(np.unique(columns * width + cells), width)
 
 
 def _best(values: FloatArray, columns: NDArray[np.intp], count: int) -> NDArray[np.intp]:

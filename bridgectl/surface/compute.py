@@ -13,7 +13,7 @@ from bridgectl._checks import FloatArray
 from bridgectl._places import count_pieces, even_places, whole_pieces
 from bridgectl._progress import track
 from bridgectl._warn import warn
-from bridgectl.linear.cells import Cells, bridge_entry, sample_positions
+from bridgectl.linear.cells import bridge_entry, sample_positions
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.reference import reference_effect
 from bridgectl.linear.response import linear_dafs
@@ -23,7 +23,7 @@ from bridgectl.model.motion import Motion
 from bridgectl.road import RoadProfile
 from bridgectl.road.iso8608 import ramp_covariance
 from bridgectl.road.psd import CLASSES
-from bridgectl.surface.histories import DenseHistories, Histories, factor_histories
+from bridgectl.surface.histories import DenseHistories, Histories, Kept, factor_histories
 from bridgectl.surface.peaks import HistoryPeaks
 from bridgectl.surface.ramps import ends_of_ramps, one_ramp
 from bridgectl.surface.surface import RampSurface
@@ -126,7 +126,7 @@ def linear_surface(
     # The smooth road has nodes at the ramps' ends all the same.
     run = prepare(crossing, RoadProfile(grid.edges, np.zeros_like(grid.edges)), -grid.approach)
     histories: Histories
-    kept: dict[int, Cells] = {}
+    kept = Kept({}, [])
     if method == "propagator":
         histories = factor_histories(run, speeds, grid.length, grid.n_ramps, kept)
     else:

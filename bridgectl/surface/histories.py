@@ -8,7 +8,7 @@ vehicles are no different.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,15 @@ BATCH_BYTES = 16e6
 
 KEPT_BYTES = 64e6
 """Memory of the maps that are kept until the peaks are found."""
+
+
+class Kept(NamedTuple):
+    """What is kept of making histories until their peaks are found."""
+
+    cells: dict[int, Cells]
+    """By the first of their speeds, as far as they take little memory."""
+    smooth: list[FloatArray]
+    """States on the smooth road at the start of each block, (S, B, n), of all speeds in order."""
 
 
 class Histories(Protocol):
@@ -117,12 +126,11 @@ def factor_histories(
     speeds: FloatArray,
     ramp_length: float,
     n_ramps: int,
-    kept: dict[int, Cells] | None = None,
+    kept: Kept | None = None,
 ) -> FactoredHistories:
     """Propagate all ramps of a crossing at once.
 
-    The ramps start at ``run.start``, `ramp_length` apart. Cells are kept, by the first of their
-    speeds, as far as they take little memory.
+    The ramps start at ``run.start``, `ramp_length` apart.
     """
     nodes = run.nodes(float(speeds.min()), wide=True)
     entry = bridge_entry(nodes)
@@ -147,9 +155,12 @@ def factor_histories(
     for batch in speed_batches(run, speeds, BATCH_BYTES):
         cells = build_cells(run.crossing, speeds[batch], nodes, on_bridge=True)
         arrived = _entry_states(run, speeds[batch], ramp_length, n_ramps)
-        parts.append(_factor_blocks(run, speeds[batch], cells, rises, arrived))
-        if kept is not None and batch.stop * cells.size / len(cells.free) < KEPT_BYTES:
-            kept[batch.start] = cells
+        starts, *part = _factor_blocks(run, speeds[batch], cells, rises, arrived)
+        parts.append(part)
+        if kept is not None:
+            kept.smooth.append(starts)
+            if batch.stop * cells.size / len(cells.free) < KEPT_BYTES:
+                kept.cells[batch.start] = cells
     smooth, entries, carried, added, rows, direct = (
         np.concatenate(arrays) for arrays in zip(*parts, strict=True)
     )
@@ -323,12 +334,13 @@ def _factor_blocks(
     effects[:, :, -1] = (at_nodes[:, by_block[:, -1] + 1, np.newaxis] @ states)[:, :, 0]
     if at_ends is not None:
         _connect(effects)
-    smooth, now = [], np.zeros((n_speeds, n + n_tires))
+    smooth, starts, now = [], [], np.zeros((n_speeds, n + n_tires))
     for rows, end in zip(effects.swapaxes(0, 1), ends.swapaxes(0, 1), strict=True):
+        starts.append(now[:, own])
         smooth.append(rows[..., loads] + np.einsum("sti,si->st", rows[..., carried], now))
         now = np.einsum("sij,sj->si", end[..., carried], now) + end[..., loads]
     maps = [part[..., columns] for part in (ends, effects) for columns in (carried, ramps)]
-    return np.stack(smooth, axis=1), entry, *maps
+    return np.stack(starts, axis=1), np.stack(smooth, axis=1), entry, *maps
 
 
 def _connect(effects: FloatArray) -> None:

@@ -175,8 +175,8 @@ def rollout_hook(
     >>> import bridgectl as bc
     >>> from bridgectl.dampers import rollout_hook
     >>> law = rollout_hook(bc.li2006.beam(), bc.li2006.car(), 1e3, 30e3).for_speed(30.0)
-    >>> law.command(position=[-70.0, 11.0], tire_force=98100.0, body_velocity=0.1).round()
-    array([7000., 30000.])
+    >>> law.command(position=[-70.0, 11.0], tire_force=98100.0, body_velocity=0.1)
+    array([7000., 1000.])
     """
     return Rollout(
         "rollout", beam, vehicle, c_min, c_max, section=section, effect=effect, hold=hold,
@@ -211,6 +211,37 @@ def preview_hook(
         The road as it is known from earlier passes, by place. Then no sensor looks ahead; and
         errors of position count for the road, too.
     {after}
+
+    Notes
+    -----
+    It measures position and speed, the velocities of body and axle, the suspension travel and the
+    tire force, which tells how far the tire is pressed in and what the bridge does. Sensors and
+    tire are taken for exact, the bridge's modes for those of the plan.
+
+    The paper's truck and bridge, 60 m of approach, c from 1 to 30 kN s/m, samples 4 ms apart; mean
+    DAF over 40 random roads of each ISO class at 70, 90 and 108 km/h::
+
+                             class A                  class B
+        passive 7 kN s/m     1.070   1.012   1.127    1.091   1.038   1.124
+        bridgehook           0.981   0.948   1.040    0.973   0.964   0.977
+        rollout_hook         0.972   0.944   1.030    0.960   0.942   0.966
+        preview of 5 m       0.960   0.935   1.025    0.933   0.931   0.955
+        preview of 10 m      0.959   0.933   1.023    0.925   0.929   0.949
+
+    What 10 m of preview are below bridgehook is known within 0.004 (A) and 0.013 (B), 95 %. In the
+    mean over the speeds, on the first 20 of the roads of class A (of maps 10), it is 0.018, and::
+
+        20 m of preview              0.020    elevations seen 10 ms late    0.015
+        1 mm of noise in elevations  0.015    50 ms late                   -0.005
+        5 mm                        -0.010    a map, 0.3 m off              0.004
+
+    So it gains nothing where what it sees is wrong by what a road of class A rises and falls in a
+    metre or two. Longer holds, dampings between the bounds and random roads beyond the preview were
+    tried: none lowers the mean DAF by more than 0.001.
+
+    Where there is a C compiler, closed loops use the law compiled: a decision takes 30 to 45 us on
+    one core, of a hundred the longest some 0.1 ms; without one ten times as long. The law of a
+    speed in C is a file of some 250 kB.
 
     Examples
     --------

@@ -79,17 +79,25 @@ class Engine:
         ends = np.abs(bridge.mode_shapes(np.array([0.0, bridge.length])))
         self.shapes = table(bridge.mode_shapes, bridge.kinks(0.5), bridge.length, widest)
         largest = np.abs(self.shapes.powers[0]).max(axis=1)
+        self.n_effects = len(effects)
         found = [_read(effect, bridge, widest) for effect in effects]
         self.reads = [read for read in found if read is not None]
         supported = bool(np.all(ends <= ON_SUPPORTS * largest))
-        self.fits = supported and len(self.reads) == len(effects)
+        self.fits = supported and len(self.reads) == self.n_effects
 
     def run(
-        self, vehicles: Sequence[Vehicle], speeds: FloatArray, roads: Sequence[RoadProfile | None]
+        self,
+        vehicles: Sequence[Vehicle],
+        speeds: FloatArray,
+        roads: Sequence[RoadProfile | None],
+        pays: float = 0.0,
     ) -> Found:
-        """Peaks of all crossings that arrays take."""
+        """Peaks of all crossings that arrays take.
+
+        Of those alike it takes as many tires times the width of their cells as `pays` [m].
+        """
         count = len(vehicles)
-        peaks, places = np.full((2, len(self.reads), count), np.nan)
+        peaks, places = np.full((2, self.n_effects, count), np.nan)
         least, felt = np.full((2, count), np.nan)
         found = Found(peaks, places, least, felt, np.zeros(count, dtype=bool))
         if not self.fits:
@@ -106,6 +114,8 @@ class Engine:
             fleet = fleet_of([vehicles[i] for i in which])
             together = max(1, TOGETHER // (2 * fleet.hubs.shape[-1]))
             for lie, parts in self._layouts(fleet, speeds[which], own).items():
+                if len(parts) * fleet.tires.shape[1] * lie.width < pays:
+                    continue
                 for first in range(0, len(parts), together):
                     part = np.array(parts[first : first + together])
                     group = self._group(
