@@ -292,7 +292,7 @@ def bridgehook(
         bridgehook               -0.032 -0.061   -0.068 -0.105   -0.101 -0.113
         at the worst speed       -0.022 -0.041   -0.055 -0.064   -0.039 -0.052
         1 m off                  -0.031 -0.060   -0.050 -0.080   -0.054 -0.050
-        1 m off, made for that   -0.030 -0.060   -0.052 -0.084   -0.063 -0.068
+        1 m off, made for that   -0.030 -0.060   -0.052 -0.084   -0.063 -0.067
         without feedback         -0.014 -0.004   -0.048 -0.049   +0.005 +0.113
 
     So it does no harm at any speed; without feedback it does at five axles, up to 0.222 at 70 km/h.
