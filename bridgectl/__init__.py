@@ -83,6 +83,7 @@ if TYPE_CHECKING:
     from bridgectl.scoring.board import Scoreboard
     from bridgectl.scoring.calibration import calibrated_class_dae
     from bridgectl.scoring.ramp_heights import ramp_heights
+    from bridgectl.scoring.robust import robustness
     from bridgectl.scoring.run import score
     from bridgectl.scoring.tune import tune
     from bridgectl.scoring.tuning import Tuning
@@ -136,6 +137,7 @@ __all__ = [
     "ramp_surface",
     "read_profile",
     "read_tracks",
+    "robustness",
     "score",
     "tune",
     "utia_road",
@@ -181,6 +183,7 @@ _HOMES = {
     "scoring.board": ("Scoreboard",),
     "scoring.calibration": ("calibrated_class_dae",),
     "scoring.ramp_heights": ("ramp_heights",),
+    "scoring.robust": ("robustness",),
     "scoring.run": ("score",),
     "scoring.tune": ("tune",),
     "scoring.tuning": ("Tuning",),

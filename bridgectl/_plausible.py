@@ -79,6 +79,9 @@ SLOWEST_SAMPLE, SLOWEST_LAG, WEAKEST, NOISIEST, LOST = 0.1, 2.0, 100.0, 1.0, 100
 """A damper's sample time [s], lag [s], force limit [N], noise [m/s] and error of position [m] that
 are no use any more."""
 
+WRONGEST = 0.5
+"""And share by which its speed, or the way that it counts, is wrong."""
+
 SHAKIEST, LOOSEST = 50.0, 0.1
 """And noise of its accelerometers [m/s^2] and of its travel [m]."""
 
@@ -326,6 +329,9 @@ def _damper_doubts(damper: Damper) -> Iterator[str]:
     for name in ("position_error", "position_deviation"):
         if abs(error := getattr(damper, name)) > LOST:
             yield f"{name} = {error:g} m misses the bridge: for {error:g} mm type {error / 1e3:g}"
+    for name in ("position_drift", "speed_error"):
+        if abs(share := getattr(damper, name)) > WRONGEST:
+            yield f"{name} = {share:g} is more than any: for {share:g} % type {share / 100:g}"
     if (shaky := damper.acceleration_noise) > SHAKIEST:
         yield (
             f"acceleration_noise = {shaky:g} m/s^2 hides all: for {shaky:g} mm/s^2 type "

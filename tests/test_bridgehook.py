@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 import bridgectl as bc
 from bridgectl.dampers import SIGNALS, Damper, bridgehook, costate, passive, simulate_loop
 from bridgectl.dampers.block import CROSSING_OUTPUTS
-from bridgectl.dampers.bridgehook import Bridgehook, _blurred
+from bridgectl.dampers.bridgehook import Bridgehook
 from bridgectl.dampers.loop.batch_law import BatchLaw
-from bridgectl.dampers.peak_value import _expected, peak_value
+from bridgectl.dampers.peak_value import _expected, blurred, peak_value
 from bridgectl.linear.cells import build_cells
 from bridgectl.road import iso8608_elevations
 
@@ -312,7 +312,7 @@ def test_of_places_that_are_known_to_a_deviation_the_mean_worth_counts(found, de
     """Against a sum over thousands of places, to 1e-5 of the largest; 0 behind the bridge."""
     n = np.linspace(-6, 6, 6001)
     weights = np.exp(-(n**2) / 2)
-    told, *means = _blurred(found, deviation)
+    told, *means = blurred(found, deviation)
     places = told[:, np.newaxis] + deviation * n
     for values, mean in zip(found[1:], means, strict=True):
         each = np.interp(places, found.positions, values, right=0.0)
@@ -322,7 +322,31 @@ def test_of_places_that_are_known_to_a_deviation_the_mean_worth_counts(found, de
 
 
 def test_places_that_are_known_are_taken_as_they_are(found):
-    assert _blurred(found, 0.0) is found
+    assert blurred(found, 0.0) is found
+
+
+def test_an_unsure_damper_counts_on_its_own_mean_worth_later(bridge, truck, found):
+    """What it will yet take off per |v| is of |s| in the mean, which is less than the mean of |s|.
+
+    The rest of the worth, as of a damper that takes nothing off later, is a plain mean.
+    """
+    case = bridge, truck, SPEED, SOFT, STIFF
+    plain = peak_value(*case, yield_speed=NEVER)
+
+    def taken(deviation):
+        worth = peak_value(*case, position_deviation=deviation)
+        return np.subtract(worth[2:], blurred(plain, deviation)[2:])
+
+    unyielding = peak_value(*case, yield_speed=NEVER, position_deviation=1.0)
+    for mean, expected in zip(unyielding, blurred(plain, 1.0), strict=True):
+        assert mean == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
+    sure = np.subtract(found[2:], plain[2:])
+    ratios = [
+        np.linalg.norm(taken(d)) / np.linalg.norm(blurred((found.positions, *sure), d)[1:])
+        for d in (0.01, 1.0, 2.0)
+    ]
+    assert ratios[0] == pytest.approx(1.0, abs=1e-3)
+    assert ratios[2] < ratios[1] < 0.95
 
 
 def test_both_laws_may_be_told_how_well_places_are_known(bridge, truck):

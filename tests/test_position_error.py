@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 import bridgectl as bc
-from bridgectl.dampers import Damper, Strategy, passive, program, simulate_loop
+from bridgectl.dampers import (
+    Damper,
+    Strategy,
+    bridgehook,
+    passive,
+    program,
+    simulate_loop,
+)
 from bridgectl.road import iso8608_elevations
 
 X = -10 + 0.1 * np.arange(351)
@@ -103,3 +110,51 @@ def test_a_constant_damper_needs_no_position(bridge, truck):
         bc.daf(bridge, truck, SPEEDS, damper=lost),
         bc.daf(bridge, truck, SPEEDS, damper=passive(7e3)),
     )
+
+
+def places_told(damper, beam, vehicle, roads):
+    """Positions told at each sample at 25 m/s [m], from the commands, (roads, samples)."""
+    found = simulate_loop(beam, vehicle, damper, 25.0, X, roads, record=["damping"])
+    return (found.histories[0]["damping"] - 1e3) / 10
+
+
+def test_a_drift_is_a_share_of_the_way_since_the_start(bridge, truck, roads):
+    """Told 2 % more of it, beside errors that are the same everywhere."""
+    told = places_told(
+        Damper(TELLING, position_error=0.5, position_drift=0.02), bridge, truck, roads
+    )
+    way = 25.0 * 2e-3 * np.arange(told.shape[1])
+    assert told == pytest.approx(np.tile(X[0] + 1.02 * way + 0.5, (len(roads), 1)), abs=1e-9)
+    drawn = Damper(TELLING, position_deviation=0.5, position_drift=0.02)
+    beyond = places_told(drawn, bridge, truck, roads) - X[0] - 1.02 * way
+    assert np.ptp(beyond, axis=1) == pytest.approx(0.0, abs=1e-9)
+    assert np.ptp(beyond[:, 0]) > 0.1
+
+
+def test_legs_of_a_truck_have_one_odometer(bridge):
+    """All legs are told of the same way; each is behind the first tire as it is."""
+    truck = bc.trucks.load("T2")
+    front, rear = places_told(Damper(TELLING, position_drift=0.1), bridge, truck, np.zeros(X.size))
+    assert front[0] - rear[0] == pytest.approx(truck.tire_offsets[1] - truck.tire_offsets[0])
+    assert np.ptp(front[0] - rear[0]) < 1e-9
+
+
+def test_told_another_speed_a_damper_has_the_law_of_that_speed(bridge, truck, roads):
+    law = bridgehook(bridge, truck, 1e3, 30e3)
+    wrong = simulate_loop(bridge, truck, Damper(law, speed_error=0.1), 30.0, X, roads).daf
+    other = simulate_loop(bridge, truck, law.for_speed(1.1 * 30.0), 30.0, X, roads).daf
+    assert wrong == pytest.approx(other, abs=1e-12)
+    fast = Strategy("fast", lambda s, g: 100 * s.speed, 0, 1e4)
+    found = simulate_loop(
+        bridge, truck, Damper(fast, speed_error=-0.2), SPEEDS, X, roads, record=["damping"]
+    )
+    for c, history in zip(SPEEDS, found.histories, strict=True):
+        assert history["damping"] == pytest.approx(80 * c, abs=1e-9)  # [N s/m]
+
+
+@pytest.mark.parametrize("name", ["position_drift", "speed_error"])
+def test_shares_in_percent_are_told(name):
+    with pytest.raises(ValueError, match=f"{name} must be above -1, as a share, got -5: for -5 %"):
+        Damper(SWITCHED, **{name: -5})
+    with pytest.warns(bc.PlausibilityWarning, match=f"{name} = 5 is more than any: for 5 % type"):
+        Damper(SWITCHED, **{name: 5})

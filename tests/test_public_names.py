@@ -206,7 +206,7 @@ def _has_unit(text: str) -> bool:
 
 def test_there_are_few_public_names_and_each_is_offered_once():
     names = [name for _, name in _names()]
-    assert len(TOP) <= 105
+    assert len(TOP) <= 106
     assert sorted(names) == sorted({*names})
 
 
@@ -410,8 +410,8 @@ def test_a_crossing_and_a_damper_tell_every_parameter(bridge, truck):
     assert repr(dampers.Damper(dampers.passive(7e3), max_force=15e3)) == (
         "Damper(Strategy('passive 7 kN s/m', c from 7000 to 7000 N s/m), sample_time=0.002 s, "
         "lag=0 s, max_force=15000 N, velocity_noise=0 m/s, seed=0, "
-        "position_error=0 m, position_deviation=0 m, acceleration_noise=0 m/s^2, travel_noise=0 m, "
-        "preview_noise=0 m, preview_delay=0 s)"
+        "position_error=0 m, position_deviation=0 m, position_drift=0, speed_error=0, "
+        "acceleration_noise=0 m/s^2, travel_noise=0 m, preview_noise=0 m, preview_delay=0 s)"
     )
 
 

@@ -30,6 +30,15 @@ PASSIVE, CONSTANT, ROLLOUT = "passive", "constant", "rollout"
 """What --strategies calls the vehicle's own damper, the constant dampers together, and the strategy
 that predicts peaks without preview."""
 
+CAREFUL, SIMPLE = "careful bridgehook", "simple bridgehook"
+"""Bridgehook made for errors, and the same without feedback."""
+
+LAG, DEVIATION = 0.01, 1.5
+"""The lag [s] and the deviation of the position [m] that they are made for."""
+
+ROBUST = f"skyhook,continuous skyhook,groundhook,hybrid,clipped LQR,bridgehook,{CAREFUL},{SIMPLE}"
+"""Strategies of --robust by default."""
+
 SCORE_HELP = """\
 Score damper strategies for a bridge: the library of 14, and constant dampers between the same
 bounds, over the same roads and speeds. Prints, for each strategy:
@@ -44,6 +53,13 @@ bounds, over the same roads and speeds. Prints, for each strategy:
                   how either orders the strategies
 
 The effect is the bending moment at --section alone; `bridgectl dae` takes others.
+
+With --robust the study is another one: what each strategy, made for this bridge and vehicle, gains
+or loses when something is wrong (frequency and damping of the bridge, load, the speed and position
+that it is told, lag, samples, noise, filters for velocities, or all at once), for each road class
+beside the vehicle's own damper; harm is marked. It takes two minutes on two cores. There are two
+more strategies: careful bridgehook (made for 10 ms of lag and a position known to 1.5 m) and simple
+bridgehook (the same without feedback).
 
 The library: passive (the vehicle's own), preset, skyhook, continuous skyhook, groundhook, tire
 groundhook, extended groundhook, selective groundhook, hybrid, ADD, SH-ADD, PDD, clipped LQR,
@@ -61,6 +77,8 @@ examples:
   bridgectl score east.csv west.csv --units m,mm --station 1250 --span 35 --random 0
   bridgectl score --strategies skyhook,groundhook,bridgehook --lag 0.01 --max-force 20e3
   bridgectl score --spans 25,25 --mass-per-length 18e3 --frequency 4.1 --section 0.2
+  bridgectl score --robust --plot robust.png
+  bridgectl score --robust --strategies bridgehook,hybrid --errors position,lag --random 40
   bridgectl score --random 50 --resume score.jsonl --json > score.json"""
 
 
@@ -70,12 +88,17 @@ def add_score_options(parser: argparse.ArgumentParser) -> None:
     options.add_place_options(parser, approach=60.0, speeds="60:120:10")
     text = "road after the bridge that is driven, for ride and tire force [m] (default 0)"
     options.add_option(parser, "--departure", "M", text, options.as_number, 0.0)
-    text = "random roads of ISO 8608 class A, and as many of class B (default 6)"
-    options.add_option(parser, "--random", "N", text, options.as_whole, 6)
+    text = "random roads of ISO 8608 class A, and as many of class B (default 6; --robust 20)"
+    options.add_option(parser, "--random", "N", text, options.as_whole)
     text = "find the optimum with all of the road known, too, and the share of the gap to it that "
     text += "each strategy closes: some seconds for each road and speed"
     parser.add_argument("--clairvoyant", action="store_true", help=text)
     _add_damper_options(parser)
+    robust = parser.add_argument_group("robustness")
+    text = "what is left of each strategy's gain when something is wrong"
+    robust.add_argument("--robust", action="store_true", help=text)
+    options.add_option(robust, "--errors", "KIND,KIND", "what is wrong, as 'position,lag' (default "
+                       "all that are known)")  # fmt: skip
     bridges.add_bridge_options(parser)
     options.add_vehicle_options(parser)
     work = parser.add_argument_group("work")
@@ -112,28 +135,53 @@ def run_score(args: argparse.Namespace) -> None:
     """Do what the command asks for."""
     options.check_plot(args.plot)
     options.check_work(args)
+    kinds = _checked_kinds(args)
     speeds = from_kmh(options.parse_speeds(args.speeds))
     beam, vehicle = bridges.make_bridge(args), cast(Any, options.make_vehicle(args))
     (asked,) = asked_effects(args, beam, vehicle)
     dampers = _dampers(args, beam, vehicle)
-    over = _roads(args, beam.length)
+    case = dampers, beam, vehicle, _roads(args, beam.length), speeds
+    work = {
+        "approach": args.approach, "section": args.section, "recovery": args.recovery,
+        "resume": args.resume, "workers": args.workers, "scheduler": args.scheduler,
+    }  # fmt: skip
+    found: Any
     with options.resumed(args.resume):
-        board = bc.score(
-            dampers, beam, vehicle, over, speeds, approach=args.approach,
-            departure=args.departure, section=args.section, recovery=args.recovery,
-            clairvoyant=args.clairvoyant, resume=args.resume, workers=args.workers,
-            scheduler=args.scheduler,
-        )  # fmt: skip
+        if args.robust:
+            found = bc.robustness(*case, errors=kinds, **work)
+        else:
+            found = bc.score(*case, departure=args.departure, clairvoyant=args.clairvoyant, **work)
+    from bridgectl.scoring.robust_text import print_robust
     from bridgectl.scoring.text import print_score
 
     def show() -> None:
         print(f"Effect: {asked.told}")
-        print_score(board)
+        (print_robust if args.robust else print_score)(found)
 
     def results() -> str:
-        return json.dumps(json.loads(board.to_json()) | {"effect": asked.content}, indent=1)
+        return json.dumps(json.loads(found.to_json()) | {"effect": asked.content}, indent=1)
 
-    options.deliver(args, board.plot, results, show)
+    options.deliver(args, found.plot, results, show)
+
+
+def _checked_kinds(args: argparse.Namespace) -> list[str] | None:
+    """The kinds of errors that --errors names."""
+    if not args.robust:
+        if args.errors is not None:
+            raise ValueError("--errors goes with --robust: add it, or leave --errors out")
+        return None
+    if args.departure:
+        raise ValueError("--robust looks at the bridge alone: leave --departure out")
+    if args.clairvoyant:
+        raise ValueError("--clairvoyant goes with a score: leave it or --robust out")
+    if args.errors is None:
+        return None
+    from bridgectl.scoring.errors import KINDS
+
+    kinds = [" ".join(kind.split()) for kind in args.errors.split(",")]
+    for kind in kinds:
+        check.choice("--errors", kind, KINDS)
+    return kinds
 
 
 def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[Damper]:
@@ -142,6 +190,9 @@ def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[
 
     c_min, c_max, sample_time, hardware = checked_hardware(args, vehicle)
     own, *others = library(beam, vehicle, c_min, c_max, section=args.section)
+    if args.robust:
+        others += _made_for_errors(args, beam, vehicle)
+    names = ROBUST if args.robust and args.strategies is None else args.strategies
     constants = _constants(c_min, c_max, set(vehicle.linear.damper_dampings.tolist()))
 
     def rollout(name: str) -> Strategy | None:
@@ -149,7 +200,7 @@ def _dampers(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[
 
     return [
         Damper(strategy, sample_time, **({} if strategy.c_min == strategy.c_max else hardware))
-        for strategy in [own, *_chosen(args.strategies, others, constants, rollout)]
+        for strategy in [own, *_chosen(names, others, constants, rollout)]
     ]
 
 
@@ -172,6 +223,19 @@ def checked_hardware(
     if not args.max_force > 0:
         raise ValueError(f"--max-force must be above 0 [N], got {args.max_force:g}")
     return c_min, c_max, check.positive("--sample-time", args.sample_time, unit="s"), hardware
+
+
+def _made_for_errors(args: argparse.Namespace, beam: BridgeModel, vehicle: Any) -> list[Strategy]:
+    """Bridgehook made for some lag and an unsure position, with feedback and without."""
+    from bridgectl.dampers import bridgehook
+
+    case = beam, vehicle, args.c_min, args.c_max
+    return [
+        bridgehook(
+            *case, section=args.section, feedback=feedback, lag=LAG, position_deviation=DEVIATION
+        ).renamed(name)
+        for name, feedback in ((CAREFUL, True), (SIMPLE, False))
+    ]
 
 
 def _rollout(name: str, *case: Any, section: float) -> Strategy | None:
@@ -222,12 +286,14 @@ def _roads(args: argparse.Namespace, span: float) -> list[bc.RoadProfile]:
     """The files, or else the measured road, and the random roads."""
     options.check_ramps("--approach", args.approach)
     options.check_ramps("--departure", args.departure)
-    check.integer("--random", args.random, at_least=0)
+    if args.random is not None:
+        check.integer("--random", args.random, at_least=0)
     own = (
         roads.file_roads(args, span, args.departure)
         if args.roads
         else [roads.measured_road(args, span, args.departure)]
     )
     length = args.approach + span + args.departure
-    random = roads.random_roads(RANDOM_CLASSES, args.random, args.approach, length)
+    number = args.random if args.random is not None else 20 if args.robust else 6
+    random = roads.random_roads(RANDOM_CLASSES, number, args.approach, length)
     return own + [road for of_class in random.values() for road in of_class]

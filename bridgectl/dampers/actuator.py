@@ -48,6 +48,12 @@ class Damper:
     acceleration_noise, travel_noise : float, optional
         Standard deviations of white noise on the measured accelerations [m/s^2] and on the
         suspension travel [m].
+    position_drift : float, optional
+        Share of the way since the start by which the position told runs ahead, 0.01 for a metre in
+        100 m: the error of scale of an odometer.
+    speed_error : float, optional
+        Share by which the speed told is above the true one, 0.1 for 10 %: a strategy with a law for
+        each speed then has that of another one.
     preview_noise : float, optional
         Standard deviation of white noise on each elevation that is seen ahead [m], of every sample.
     preview_delay : float, optional
@@ -70,8 +76,8 @@ class Damper:
     >>> Damper(skyhook(1e3, 30e3), lag=0.01, max_force=15e3)
     Damper(Strategy('skyhook', c from 1000 to 30000 N s/m, dead_band=0.0001), sample_time=0.002 s, \
 lag=0.01 s, max_force=15000 N, velocity_noise=0 m/s, seed=0, \
-position_error=0 m, position_deviation=0 m, acceleration_noise=0 m/s^2, travel_noise=0 m, \
-preview_noise=0 m, preview_delay=0 s)
+position_error=0 m, position_deviation=0 m, position_drift=0, speed_error=0, \
+acceleration_noise=0 m/s^2, travel_noise=0 m, preview_noise=0 m, preview_delay=0 s)
     """
 
     strategy: Strategy
@@ -84,6 +90,8 @@ preview_noise=0 m, preview_delay=0 s)
     position_deviation: float = 0.0
     acceleration_noise: float = 0.0
     travel_noise: float = 0.0
+    position_drift: float = 0.0
+    speed_error: float = 0.0
     preview_noise: float = 0.0
     preview_delay: float = 0.0
 
@@ -104,6 +112,12 @@ preview_noise=0 m, preview_delay=0 s)
         check.not_negative("position_deviation", self.position_deviation, unit="m")
         check.not_negative("acceleration_noise", self.acceleration_noise, unit="m/s^2")
         check.not_negative("travel_noise", self.travel_noise, unit="m")
+        for name in ("position_drift", "speed_error"):
+            if check.number(name, share := getattr(self, name)) <= -1:
+                raise ValueError(
+                    f"{name} must be above -1, as a share, got {share:g}: for {share:g} % type "
+                    f"{share / 100:g}"
+                )
         check.not_negative("preview_noise", self.preview_noise, unit="m")
         check.not_negative("preview_delay", self.preview_delay, unit="s")
         judge_damper(self)
@@ -135,6 +149,7 @@ preview_noise=0 m, preview_delay=0 s)
             f"max_force={self.max_force:g} N, velocity_noise={self.velocity_noise:g} m/s, "
             f"seed={self.seed}, position_error={self.position_error:g} m, "
             f"position_deviation={self.position_deviation:g} m, "
+            f"position_drift={self.position_drift:g}, speed_error={self.speed_error:g}, "
             f"acceleration_noise={self.acceleration_noise:g} m/s^2, "
             f"travel_noise={self.travel_noise:g} m, preview_noise={self.preview_noise:g} m, "
             f"preview_delay={self.preview_delay:g} s)"

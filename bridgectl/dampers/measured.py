@@ -60,6 +60,7 @@ class Measured(Strategy):
             name, self._law, strategy.c_min, strategy.c_max, strategy.bounds,
             states, self._update, strategy.preview,
         )  # fmt: skip
+        self._found = (None, None)  # expressions do not go to other processes
 
     def __repr__(self) -> str:
         return (

@@ -28,6 +28,10 @@ had a road of its own; every damper takes off its part of V, and each has a wort
 as likely to rise as to fall, so that what is to be expected ahead is level, and is all that is
 known.
 
+Of a position known to a standard deviation d alone each s, and what it is worth per velocity, is
+the mean over the places where the tire may be; so is the s in S: an unsure damper will take off
+less.
+
 Several dampers that all work against the one peak of the smooth road would overdo it, and make
 another. So each counts on the others: its weights are those of the moments M_j that the others
 leave when they do their best, with forces u of up to D v_m, v_m a mean of |v|, in a problem that is
@@ -41,11 +45,12 @@ Where ride, travel or tire force count too, V has what dz will yet cost them, an
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
+from scipy.special import ndtr
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
@@ -84,6 +89,9 @@ From 0.05 to 0.12 m/s the mean over speeds of a truck with five axles changes by
 
 ROUNDS = 60
 """Steps towards the best that the others do, which these find to 1e-5 of the static moment."""
+
+BEYOND = 3
+"""Deviations of a position behind the end of the bridge up to which a force may be of worth."""
 
 LEAST = -200.0
 """Least logarithm of a weight: after a sharp peak the sum of the others must not vanish."""
@@ -127,12 +135,14 @@ def peak_values(
     sharpness: float = SHARPNESS,
     yield_speed: float = YIELD_SPEED,
     beside: Weights = PEAK_ALONE,
+    position_deviation: float = 0.0,
 ) -> list[PeakValue]:
     """Return what a force of each damper is worth before the peak moment, at a speed [m/s].
 
     The dampings are kept from `c_min` to `c_max` [N s/m]; `reach` is the length of the approach
     that is looked at [m]; `sharpness` and `yield_speed` [m/s] are beta and v_0 of the formulas
-    above; `beside` weighs what else counts. The others are those of `bridgectl.daf`.
+    above; `beside` weighs what else counts; the places returned are known to a standard
+    `position_deviation` [m]. The others are those of `bridgectl.daf`.
 
     >>> import bridgectl as bc
     >>> from bridgectl.dampers.peak_value import peak_values
@@ -156,18 +166,34 @@ def peak_values(
     moments = effect_samples(crossing, bridge)[0, :: len(SAMPLES)]
     durations = np.gradient(nodes) / c
     weights = _weights(known, moments, beta, (stiff - soft) / 2 * OTHERS_SPEED * durations)
-    sweep = _Backward(known, weights, beta, curvature)
+    sweep = _Backward(known, weights, beta, curvature, position_deviation)
     gains = np.zeros((len(nodes), *measured.shape[:2]))
     constant = np.zeros(gains.shape[:2])
     side = side_worth(vehicle, beside, soft, stiff, crossing_time(beam, c)).states
     of_side = np.pad(side, ((0, 0), (0, crossing.n_states - crossing.n_vehicle)))
     for k, ahead in _backward(known):
-        sweep.step_back(k, ahead, durations[k])
+        sweep.step_back(k, durations[k])
         constant[k], per_state = sweep.worth(k, ahead)
         gains[k] = np.einsum("dn,dnm->dm", per_state + of_side, to_states[max(k - entry, 0)])
     smooth = np.einsum("dmn,kn->kdm", measured, bridge.states[0])
     constant[entry:] -= (gains[entry:] * smooth).sum(axis=2)
-    return [PeakValue(nodes, constant[:, leg], *gains[:, leg].T) for leg in range(len(measured))]
+    return [
+        PeakValue(*blurred((nodes, constant[:, leg], *gains[:, leg].T), position_deviation))
+        for leg in range(len(measured))
+    ]
+
+
+def blurred(found: Sequence[FloatArray], deviation: float) -> Sequence[FloatArray]:
+    """Places, and what is straight between them and 0 beyond, in its mean about each place."""
+    if deviation == 0:
+        return found
+    x, values = found[0], np.pad(found[1:], ((0, 0), (0, 1)))
+    places = np.append(x, 2 * x[-1] - x[-2])
+    bends = np.diff(np.diff(values) / np.diff(places), prepend=0.0, append=0.0)
+    told = np.append(x, x[-1] + deviation * np.linspace(0.1, BEYOND, 10 * BEYOND))
+    z = (told - places[:, np.newaxis]) / deviation
+    rises = deviation * (z * ndtr(z) + np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi))
+    return [told, *(values[:, :1] + bends @ rises)]
 
 
 def peak_value(*case: Any, leg: int = 1, **options: Any) -> PeakValue:
@@ -223,20 +249,27 @@ class _Backward:
     """Backward sweep: the worth for each damper, and what all of them will yet take off."""
 
     def __init__(
-        self, known: Prediction, weights: FloatArray, sharpness: float, curvature: float
-    ) -> None:
+        self, known: Prediction, weights: FloatArray, sharpness: float, curvature: float,
+        deviation: float,
+    ) -> None:  # fmt: skip
         self.known, self.forces, self.weights = known, known.damper_input, weights
         self.yet = np.zeros((len(weights), *known.transitions.shape[1:]))
         self.squares = np.array([np.outer(row, row) for row in known.velocity_rows])
         self.sharpness, self.curvature = sharpness, curvature
+        left = np.cumsum(weights[:, ::-1], axis=1)[:, ::-1]  # on the approach all are ahead
+        totals = np.pad(left, ((0, 0), (known.entry, 0)), mode="edge").T[..., np.newaxis]
+        own = np.array([weights @ ahead @ self.forces for _, ahead in _backward(known)])[::-1]
+        columns = (own / totals).reshape(len(own), -1).T
+        means = np.array(blurred((known.positions, *columns), deviation)[1:])[:, : len(own)].T
+        self.means = np.abs(means.reshape(own.shape)) * totals
+        """|s| of each damper's force at the nodes by each one's weights, (nodes, D, D)."""
 
-    def step_back(self, k: int, ahead: FloatArray, duration: float) -> None:
+    def step_back(self, k: int, duration: float) -> None:
         """Go back to node k, by the transition of a cell unless it is the last."""
         if k < len(self.known.transitions):
             step = self.known.transitions[k]
             self.yet = step.T @ self.yet @ step
-        means = np.abs(self.weights @ ahead @ self.forces)
-        self.yet += duration * np.tensordot(means, self.squares, 1)
+        self.yet += duration * np.tensordot(self.means[k], self.squares, 1)
 
     def worth(self, k: int, ahead: FloatArray) -> tuple[FloatArray, FloatArray]:
         """s, and the row of dV / dF on the deviation of the states, of each damper."""

@@ -144,6 +144,13 @@ class Strategy:
         told += f", preview={self.preview} m" * bool(self.preview)
         return f"Strategy({self.name!r}, c from {self.c_min:g} to {self.c_max:g} N s/m{told})"
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Copies, and other processes, have the function alone: it is all that law and update say.
+
+        Expressions that these may hold on to go to no other process.
+        """
+        return {**vars(self), "law": None, "update": None}
+
     def renamed(self, name: str) -> Strategy:
         """Return the strategy under another name.
 

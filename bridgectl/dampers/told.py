@@ -16,7 +16,8 @@ def told_of(dampers: Fitted, speeds: FloatArray) -> list[list[Any]]:
 
 
 def _told(damper: Damper, speeds: FloatArray) -> list[Any]:
-    ends = [damper.strategy.for_speed(float(c)) for c in speeds[[0, -1]]]
+    told = speeds[[0, -1]] * (1 + damper.speed_error)
+    ends = [damper.strategy.for_speed(float(c)) for c in told]
     return [
         repr(damper.strategy),  # what a strategy chooses gains from is in no function
         [law.function.serialize() for law in ends],
@@ -24,6 +25,7 @@ def _told(damper: Damper, speeds: FloatArray) -> list[Any]:
         damper.strategy.gains,
         [damper.sample_time, damper.lag, damper.max_force, damper.velocity_noise, damper.seed],
         [damper.position_error, damper.position_deviation],
+        [damper.position_drift, damper.speed_error],
         [damper.acceleration_noise, damper.travel_noise],
         *([seeing] if any(seeing := [damper.preview_noise, damper.preview_delay]) else []),
     ]

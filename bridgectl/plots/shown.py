@@ -29,9 +29,10 @@ ReadShown: TypeAlias = Any
 ReadingShown: TypeAlias = Any
 TailShown: TypeAlias = Any
 
-# Scoreboard, Tuning; of bridgectl.paper: printed.PaperResults, validation.Case,
-# validation.ValidationResults, damper_validation.DamperCase.
+# Scoreboard, scoring.changes.Robustness, Tuning; of bridgectl.paper: printed.PaperResults,
+# validation.Case, validation.ValidationResults, damper_validation.DamperCase.
 BoardShown: TypeAlias = Any
+RobustShown: TypeAlias = Any
 TuningShown: TypeAlias = Any
 PaperShown: TypeAlias = Any
 CaseShown: TypeAlias = Any

@@ -92,13 +92,14 @@ class Loop:
             gains = damper.strategy.gains_for(
                 crossing, speeds, stations[ahead], elevations[:, ahead]
             )
-            law = BatchLaw(damper.strategy, [*speeds], gains, damper.sample_time)
-            roads = stations, self.drops, crossing.beam.length
-            n_ahead = law.preview.shape[1]
-            errors = Errors(damper, self.plan, speeds, *roads, dampers.legs[leg], n_ahead)
+            told = speeds * (1 + damper.speed_error)
+            law = BatchLaw(damper.strategy, [*told], gains, damper.sample_time)
+            roads, behind = (stations, self.drops, crossing.beam.length), self.legs.offsets[leg]
+            of_leg = dampers.legs[leg], law.preview.shape[1], self.start - behind
+            errors = Errors(damper, self.plan, speeds, *roads, *of_leg)
             if not damper.position_deviation:  # else each road has places of its own
-                places = self.plan.edges[..., 0] - self.legs.offsets[leg] + errors.places
-                law.foresee(places, speeds)
+                places = errors.told(self.plan.edges[..., 0] - behind) + errors.places
+                law.foresee(places, told)
             self.controllers.append(law)
             self.errors.append(errors)
             # What is set once for each crossing, its noise, or what is seen ahead differs between

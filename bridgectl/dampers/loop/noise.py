@@ -39,7 +39,10 @@ SENSED = ("body_acceleration", "axle_acceleration", "suspension_travel")
 
 
 class Errors:
-    """What the sensors of the damper of a leg tell beside the truth; arguments as of `Noise`."""
+    """What the sensors of the damper of a leg tell beside the truth; arguments as of `Noise`.
+
+    The leg is at `start` [m] when the odometer begins to count.
+    """
 
     def __init__(
         self,
@@ -51,8 +54,11 @@ class Errors:
         end: float,
         leg: int = 0,
         n_ahead: int = 0,
+        start: float = 0.0,
     ) -> None:
         crossings, other = (speeds, stations, drops, end), [OF_LEG + leg] if leg else []
+        self.start, self.drift = start, damper.position_drift
+        self.told_speed = 1.0 + damper.speed_error  # over the true one
         self.places = np.full((len(speeds), 1), damper.position_error)
         """How far the positions told are beyond the true ones [m], (S, R), or (S, 1) of all roads.
         """
@@ -74,11 +80,16 @@ class Errors:
             else None
         )
 
+    def told(self, places: FloatArray) -> FloatArray:
+        """Positions told [m] at true places (S, n), but for the error of a crossing."""
+        return places + self.drift * (places - self.start)
+
     def added(self, k: int, signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Signals of round k by name, (S, R) or (S, 1), with the errors."""
         found = dict(signals)
         here, known = found["body_velocity"].shape
-        found["position"] = found["position"] + self.places[:here, :known]
+        found["position"] = self.told(found["position"]) + self.places[:here, :known]
+        found["speed"] = found["speed"] * self.told_speed
         for names, noise in self.noises:
             drawn = noise.at(k, (here, known))
             found |= {name: found[name] + drawn[i] for i, name in enumerate(names)}
