@@ -26,9 +26,9 @@ from bridgectl.dampers.fitted import fitted
 from bridgectl.dampers.gains import damping_bounds
 from bridgectl.dampers.legs import Legs, require_dampers
 from bridgectl.dampers.loop.damped import simulate_run
-from bridgectl.dampers.optimum.clairvoyant import Clairvoyant
 from bridgectl.dampers.optimum.hull import Hull
 from bridgectl.dampers.optimum.impulses import Impulses
+from bridgectl.dampers.optimum.result import Clairvoyant
 from bridgectl.dampers.optimum.steps import Steps, join, march
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.linear.runs import Run
