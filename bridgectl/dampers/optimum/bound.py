@@ -170,7 +170,7 @@ def damper_bound(
         Bounds of the damping [N s/m].
     free_from : float, optional
         Where control begins [m]. The further before the bridge, the wider the gap: with 20 m it
-        often says nothing.
+        may say nothing, with 60 m it does.
     start : float, optional
         Where the vehicle starts in equilibrium [m], best a whole number of steps before
         `free_from`.
