@@ -106,6 +106,22 @@ def test_the_bounds_lag_and_constants_reach_the_study(capsys, monkeypatch):
     assert all(road.x[-1] == pytest.approx(10.5) for road in seen["roads"])
 
 
+def test_rollouts_are_named_with_their_preview(capsys):
+    """Over one road with samples 10 ms apart, quicker than the 6 ms that W_k asks for."""
+    options = ["--strategies", "rollout, Preview  2.5 m", "--random", "0", "--sample-time", "0.01"]
+    status, out, err = run(capsys, *QUICK, *options, "--json")
+    assert status == 0
+    assert "W_k" in err
+    result = json.loads(out)
+    assert result["strategies"] == ["passive 7 kN s/m", "rollout", "preview 2.5 m"]
+    status, _, err = run(capsys, *QUICK, "--strategies", "preview", "--random", "0")
+    assert status == 2
+    assert "constant, rollout, preview 10 m" in err
+    status, _, err = run(capsys, *QUICK, "--truck", "T2", "--strategies", "rollout")
+    assert status == 2
+    assert "bridgehook takes every vehicle" in err
+
+
 def test_all_strategies_and_constants_are_the_default(capsys, monkeypatch):
     def score(dampers, *_, **__):
         raise ValueError(", ".join(damper.strategy.name for damper in dampers))

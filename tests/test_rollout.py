@@ -407,6 +407,5 @@ def test_rollouts_are_below_bridgehook_and_preview_below_those_without(bridge, t
         ).daf.mean()
         for law in (bridgehook(*case), rollout_hook(*case), preview_hook(*case))
     ]
-    print(means)
     assert means[1] < means[0] - 0.01
     assert means[2] < means[1] - 0.01
