@@ -150,10 +150,12 @@ def robustness(
     tried = tuple(error for error in tried if applies(error, crossing))
     cases = _cases(study, devices, tried)
     tasks = {_key(study, case): case for case in cases.values() if case is not None}
-    require_loop(
-        devices[0].bare(crossing), [case.devices for case in tasks.values()], study.speeds,
-        study.stations, len(roads), announced=not shows(progress),
-    )  # fmt: skip
+    bare, every = devices[0].bare(crossing), [case.devices for case in tasks.values()]
+    for time in {each.sample_time for each in every}:
+        alike = [each for each in every if each.sample_time == time]
+        require_loop(
+            bare, alike, study.speeds, study.stations, len(roads), announced=not shows(progress)
+        )
     done = _done(study, tasks, resume, workers, scheduler, progress)
     return _found(study, devices, roads, tried, {
         place: None if case is None else done[_key(study, case)]["daf"]

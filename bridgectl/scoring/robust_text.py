@@ -18,7 +18,7 @@ from bridgectl.scoring.errors import RIGHT, TOGETHER
 # Robustness, whose module imports this one.
 Found: TypeAlias = Any
 
-AT_ONCE = 5
+AT_ONCE = 4
 """Strategies side by side in a table."""
 
 HARM, UNCLEAR = "!", "?"
