@@ -413,6 +413,7 @@ def test_the_figure_has_units_and_draws_what_the_methods_tell(two_roads, options
     FigureCanvasAgg(figure).draw()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_draws")
 def test_what_has_no_fit_can_be_drawn(traffic_of_trucks):
     """Identical trucks, hogging effects of a short return period, small lengths, other units."""

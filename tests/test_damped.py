@@ -214,7 +214,14 @@ def test_a_constant_damper_has_the_passive_daf_and_one_with_a_force_limit_not(br
 LEAP = bc.RoadProfile([-10.0, -1.0, -0.9, 25.0], [0, 0, -0.08, -0.08], name="80 mm down")
 
 
-@pytest.mark.parametrize("damper", [SKYHOOK, dampers.passive(7e3), Damper(SKYHOOK, lag=0.01)])
+@pytest.mark.parametrize(
+    "damper",
+    [
+        SKYHOOK,
+        dampers.passive(7e3),
+        pytest.param(Damper(SKYHOOK, lag=0.01), marks=pytest.mark.slow),
+    ],
+)
 def test_a_tire_that_leaves_the_road_is_told_with_a_damper_too(bridge, truck, damper):
     with pytest.warns(bc.LiftOffWarning, match=r"at 1 of 2 speeds, the slowest 108 km/h") as told:
         bc.daf(bridge, truck, [1.0, 30.0], LEAP, start=-10, damper=damper)

@@ -159,6 +159,7 @@ def test_each_mistake_is_named_before_the_work(change, error, message):
         validate_dampers(**{"speeds": 25.0, "spans": [9], "n_pairs": 2, **change})
 
 
+@pytest.mark.slow
 def test_the_command_prints_draws_and_keeps(capsys, tmp_path, monkeypatch):
     monkeypatch.setattr(damper_validation, "known_dampers", lambda *of: known_dampers(*of)[:3])
     monkeypatch.setattr(damper_validation, "unseen_dampers", lambda *of: unseen_dampers(*of)[:2])

@@ -256,8 +256,8 @@ def test_a_scheduler_without_workers_is_not_waited_for_without_end(monkeypatch):
 
 
 @LINUX
-@pytest.mark.parametrize("ending", [signal.SIGKILL, pytest.param(
-    signal.SIGSTOP, marks=pytest.mark.slow)])  # fmt: skip
+@pytest.mark.slow
+@pytest.mark.parametrize("ending", [signal.SIGKILL, signal.SIGSTOP])
 def test_a_scheduler_that_is_gone_leaves_a_file_that_goes_on(capsys, tmp_path, monkeypatch, ending):
     kept, keep = tmp_path / "score.jsonl", scoring.Parts.keep
     monkeypatch.setattr(_dask, "ANSWER", 2.0)
@@ -334,6 +334,7 @@ def test_threads_of_a_worker_do_their_shares_one_after_the_other():
     assert most == [1, 1, 1, 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scheduler", "wait"), [(None, 0.05), ("address", 0.0)])
 def test_of_many_shares_few_are_made_ahead(scheduler, wait, request):
     """Joblib makes shares as workers take them, so that results must be taken as fast as made."""

@@ -87,6 +87,7 @@ def test_the_place_where_a_tire_leaves_the_road_is_told(bridge, truck):
     assert np.isinf(smooth.lift_off[0, 0])
 
 
+@pytest.mark.slow
 def test_a_landing_with_a_stiff_tire_has_the_peak_force_of_a_fine_integration(bridge):
     car = bc.QuarterCar(9e3, 700, 4e5, 4e6, 1e4)
     road = bc.RoadProfile([-4.0, -3.0, -2.9, 25.0], [0, 0, -0.08, -0.08])

@@ -95,6 +95,7 @@ def test_skyhook_as_a_block_slides_along_a_body_at_rest():
     assert daf_of_samples(LAWS["skyhook"], 1e-3) == pytest.approx(found, abs=3e-5)
 
 
+@pytest.mark.slow
 def test_the_sampled_law_comes_to_the_block_as_its_sample_time_is_halved():
     """The error falls with the sample time: by a factor of 1.4 or more at each halving."""
     law = LAWS["extended groundhook"]

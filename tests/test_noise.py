@@ -100,6 +100,7 @@ def test_roads_speeds_and_seeds_have_noise_of_their_own(bridge, truck):
     assert np.std(first) == pytest.approx(0.05, rel=0.5)
 
 
+@pytest.mark.slow
 def test_accelerometers_and_travel_have_noise_of_their_own(bridge, truck):
     """Alone as beside others, of their deviations, and that of velocities stays as it is."""
     x, names = np.linspace(0, 100, 5), ["axle_velocity", "axle_acceleration", "suspension_travel"]

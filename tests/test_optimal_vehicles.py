@@ -129,6 +129,7 @@ def test_five_axles_too(bridge, road):
     assert found == pytest.approx(best.daf, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_the_steps_start_at_rest_on_the_road_under_each_axle(bridge, half):
     """On a road that is known behind the start: DAFs within 1e-3, at the steps of 2.5 ms."""
     road = bc.iso8608_profile("B", 55, seed=3, start=2 * START)

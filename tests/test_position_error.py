@@ -52,6 +52,7 @@ def test_the_error_is_that_told_less_the_true_place(bridge, truck, roads):
     assert told(damper, bridge, truck, SPEEDS, roads) == pytest.approx(0.75, abs=1e-9)  # [m]
 
 
+@pytest.mark.slow
 def test_a_crossing_has_one_error_of_its_own_alone_and_in_a_batch(bridge, truck, roads):
     damper = Damper(TELLING, position_error=2.0, position_deviation=0.5, seed=3)
     errors = told(damper, bridge, truck, SPEEDS, roads)

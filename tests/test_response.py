@@ -118,6 +118,7 @@ def test_a_kink_of_the_moment_is_a_sample(bridge, truck):
     assert np.abs(response.time * 20.0 - 0.37 * 25).min() < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:the first frequency of the beam is 4.09e")
 def test_two_quarter_cars_on_a_nearly_rigid_beam_are_two_crossings_added(truck):
     stiff = bc.Beam(25.0, 18358.0, 4.865e10 * 1e6, n_modes=1)  # deflects 0.7 nm

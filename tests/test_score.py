@@ -91,6 +91,7 @@ def test_the_damper_counts_and_not_the_strategy_alone(roads, board):
         assert not np.allclose(values, board.values["daf"][1], atol=1e-4)
 
 
+@pytest.mark.slow
 def test_the_force_limit_of_a_constant_damper_counts(roads, board):
     constant = scored(roads, [Damper(STRATEGIES[0], max_force=300.0)])
     assert not np.allclose(constant.values["daf"], board.values["daf"][0], atol=1e-4)

@@ -188,6 +188,7 @@ def test_a_costate_is_what_a_push_of_the_damper_does_to_the_peak_of_its_effect(b
     assert moved / push / crossing.static_peak == pytest.approx(slope, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_bridgehook_works_against_the_effect_that_it_is_made_for(bridge, truck):
     roads = [bc.iso8608_profile("A", 85, seed=seed, start=-60) for seed in range(6)]
     hook = bridgehook(bridge, truck, 1e3, 30e3, effect=bc.Deflection())

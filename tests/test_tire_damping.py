@@ -144,6 +144,7 @@ def test_on_a_rigid_road_the_vehicles_system_is_the_crossings():
     np.testing.assert_allclose(found.outputs[0][2:-2], own[2:-2], atol=2.0)  # N of 98 kN
 
 
+@pytest.mark.slow
 def test_a_damped_tire_that_leaves_the_road_is_not_held_by_it():
     road = bc.RoadProfile([-10, -3, -2.5, 25], [0, 0, -0.12, -0.12])
     with pytest.warns(bc.LiftOffWarning):

@@ -125,6 +125,7 @@ def test_both_routes_agree_within_1e_6_on_more_random_traffic(seed):
     compared(seed)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::bridgectl.PlausibilityWarning")  # no bridge is so
 def test_on_a_nearly_rigid_beam_traffic_does_what_its_vehicles_do_one_by_one():
     stiff = bc.Beam(25, 1e7, 4.865e16, n_modes=1)  # deflects by some nm

@@ -131,9 +131,8 @@ def test_the_closed_loop_is_its_fine_integration(truck, seed):
     assert found.daf[0, 0] == pytest.approx(fine.peak, abs=2e-5)
 
 
-@pytest.mark.parametrize(
-    ("truck", "share"), [(half_car, 0.8), pytest.param(five_axles, 0.95, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("truck", "share"), [(half_car, 0.8), (five_axles, 0.95)])
 def test_on_a_rough_road_it_costs_less_than_any_constant_dampers(bridge, truck, share):
     """J over ten roads of class B; of a half-car less than with the laws of quarter-cars, too."""
     given_ = () if truck is five_axles else (3e4,)
