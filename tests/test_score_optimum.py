@@ -10,7 +10,7 @@ import pytest
 from helpers import run_command
 
 import bridgectl as bc
-from bridgectl.dampers import bridgehook, clairvoyant, passive, simulate_loop, skyhook
+from bridgectl.dampers import Damper, bridgehook, clairvoyant, passive, simulate_loop, skyhook
 from bridgectl.measures import weighted_rms
 from bridgectl.plots.scores import score_figure
 from bridgectl.scoring import run as scoring
@@ -157,6 +157,26 @@ def test_the_text_has_a_table_of_gaps_only_if_the_optimum_is_known(board):
     close = replace(board, optimum={"daf": board.values["daf"][0]})
     assert "nan" not in score_text(close)
     assert "clairvoyant" not in score_text(replace(board, optimum={}))
+
+
+def test_with_control_from_the_bridges_start_a_bound_is_proven(roads):
+    """Strategies that hold their damping as the bound has it are above it, within 0.003."""
+    laws = [Damper(law, sample_time=5e-3) for law in STRATEGIES[:3]]
+    near = scored(roads, laws, SPEEDS[:1], approach=0, clairvoyant=True)
+    proven = near.optimum["daf_bound"]
+    assert proven.shape == (2, 1)
+    assert np.all(near.values["daf"] > proven - 0.003)
+    assert near.optimum["daf"] == pytest.approx(proven, abs=0.01)
+    assert f"a mean DAF below\n{proven.mean():.4f};" in score_text(near)
+    assert near.to_pandas()["daf_bound"].to_numpy()[0] == proven[0, 0]
+
+
+def test_further_before_the_bridge_and_of_too_many_dampings_no_bound_is_told(found, roads):
+    assert np.isnan(found.optimum["daf_bound"]).all()
+    assert "No bound is proven" in score_text(found)
+    assert json.loads(found.to_json())["optimum"]["daf_bound"] == [[None], [None]]
+    slow = scored(roads[:1], STRATEGIES[:1], 2.0, approach=0, clairvoyant=True)
+    assert np.isnan(slow.optimum["daf_bound"]).all()
 
 
 def test_the_figure_has_the_optimum_and_previews_in_the_order_of_their_distance(board):

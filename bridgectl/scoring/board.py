@@ -73,7 +73,9 @@ class Scoreboard:
         of a class whose ramp is higher than long.
     optimum : mapping of str to ndarray, shape (n_roads, n_speeds)
         Every simulated measure with the clairvoyant damper, the best that was found with all of the
-        road known: see `bridgectl.scoring.rows.MEASURES`; empty if it was not asked for.
+        road known: see `bridgectl.scoring.rows.MEASURES`; empty if it was not asked for. And
+        'daf_bound', which no damping that is held 10 ms goes below, if control begins at the bridge
+        (approach 0), else NaN: see `bridgectl.dampers.damper_bound`.
 
     Examples
     --------
@@ -298,6 +300,8 @@ class Scoreboard:
             gap = np.where(abs(daf[0] - best) < LEAST_GAP, np.nan, daf[0] - best)
             columns["daf_optimum"] = np.broadcast_to(best, daf.shape)
             columns["gap_closed"] = (daf[0] - daf) / gap
+            if "daf_bound" in self.optimum:
+                columns["daf_bound"] = np.broadcast_to(self.optimum["daf_bound"], daf.shape)
         return pd.DataFrame({name: v.ravel() for name, v in columns.items()}, index)
 
     def to_json(self) -> str:

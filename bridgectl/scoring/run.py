@@ -34,6 +34,8 @@ from bridgectl.scoring.board import Scoreboard
 from bridgectl.scoring.classes import class_part, class_shapes, class_surface, n_class_ramps
 from bridgectl.scoring.rows import MEASURES
 from bridgectl.scoring.simulated import (
+    BOUND,
+    OPTIMUM,
     RECORDED,
     SIMULATED,
     Bounds,
@@ -105,7 +107,8 @@ def score(
     clairvoyant : bool, optional
         Whether to find the optimum of each road and speed, too (`bridgectl.dampers.clairvoyant`,
         within the range of all strategies together), and how much of the gap to it each strategy
-        closes: some seconds a crossing.
+        closes: some seconds a crossing. With an approach of 0 the optimum is bounded, too
+        (`bridgectl.dampers.damper_bound`).
     resume : path-like, optional
         A file that keeps each part of the work when it is done. Parts of the same study that it
         holds are not done again, and those of other strategies and roads stay in it. A last line
@@ -189,7 +192,7 @@ def score(
         own = study.of_road(i)
         optima.append((f"clairvoyant, road {i + 1}", optimum_key(own, bounds)))
         tasks[optima[-1]] = own, bounds, i
-        shapes[optima[-1]] = dict.fromkeys(SIMULATED, (1, len(study.speeds)))
+        shapes[optima[-1]] = dict.fromkeys(OPTIMUM, (1, len(study.speeds)))
     with Parts(resume, header(study), shapes, KIND) as parts:
         todo = [task for task in tasks if task not in parts]
         jobs = [tasks[task] for task in todo]
@@ -206,8 +209,10 @@ def score(
         }
         of_roads = [parts[task] for task in optima]
     optimum = {
-        name: np.concatenate([part[name] for part in of_roads]) for name in SIMULATED if of_roads
+        name: np.concatenate([part[name] for part in of_roads]) for name in OPTIMUM if of_roads
     }
+    if optimum:
+        optimum[BOUND] = np.where(optimum[BOUND] == 0, np.nan, optimum[BOUND])
     return _scoreboard(study, devices, roads, done, optimum)
 
 

@@ -14,8 +14,8 @@ import numpy as np
 from bridgectl._parts import Part
 from bridgectl.dampers.fitted import Fitted, fitted_everywhere
 from bridgectl.dampers.loop.damped import RampsAndRoads, ramps_and_roads
+from bridgectl.dampers.optimum.bound import MOST, damper_bound
 from bridgectl.dampers.optimum.clairvoyant import STEP, clairvoyant
-from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.measures import aggregate_fourth_power, dynamic_load_coefficient, weighted_rms
 from bridgectl.measures.history import largest, rms
 from bridgectl.measures.loads import CELL, road_stress_factor
@@ -26,6 +26,12 @@ from bridgectl.scoring.study import Study
 RECORDED = ("tire_force", "body_acceleration", "suspension_travel")
 
 SIMULATED = tuple(name for name in MEASURES if not name.startswith("dae"))
+
+
+BOUND, BOUND_STEP = "daf_bound", 10e-3
+"""The proven bound of the DAF, of dampings that are held so long [s]; 0 where there is none."""
+
+OPTIMUM = (*SIMULATED, BOUND)
 
 
 class Bounds(NamedTuple):
@@ -43,16 +49,17 @@ def bounds_of(devices: Sequence[Fitted]) -> Bounds:
 
 def optimum_key(study: Study, bounds: Bounds) -> str:
     """Tell the optimum of a study of one road from others."""
-    whole = hashlib.sha256(json.dumps([*bounds, STEP]).encode())
+    whole = hashlib.sha256(json.dumps([*bounds, STEP, BOUND_STEP]).encode())
     whole.update(np.ascontiguousarray(study.elevations).tobytes())
     return whole.hexdigest()[:16]
 
 
 def optimum_part(study: Study, bounds: Bounds) -> Part:
-    """Measures of the clairvoyant optimum on the study's only road: arrays (1, n_speeds)."""
+    """`OPTIMUM` of the study's only road: arrays (1, n_speeds)."""
     road = RoadProfile(study.stations, study.elevations[0])
-    # R >= 0 is simulated, and the roads tell of lift-off.
-    with warnings.catch_warnings(action="ignore", category=LiftOffWarning):
+    # R >= 0 is simulated, and the roads tell of lift-off; a bound that says nothing is 0.
+    with warnings.catch_warnings(action="ignore", category=UserWarning):
+        proven = [_bound(study, bounds, speed, road) for speed in study.speeds.tolist()]
         found = clairvoyant(
             study.beam, study.vehicle, study.speeds, road, *bounds, start=-study.approach,
             effect=study.crossing.effect, workers=1, progress=False,
@@ -66,7 +73,20 @@ def optimum_part(study: Study, bounds: Bounds) -> Part:
             study.elevations, RECORDED,
         )  # fmt: skip
         of_speeds.append(simulated(own, device, run))
-    return {name: np.hstack([each[name] for each in of_speeds]) for name in SIMULATED}
+    of_all = {name: np.hstack([each[name] for each in of_speeds]) for name in SIMULATED}
+    return of_all | {BOUND: np.array([proven])}
+
+
+def _bound(study: Study, bounds: Bounds, speed: float, road: RoadProfile) -> float:
+    """Return the proven bound where control begins at the bridge, and it can be found."""
+    time = (study.beam.length + study.vehicle.linear.tire_offsets.max()) / speed
+    if study.approach > 0 or time / BOUND_STEP * len(study.vehicle.linear.damper_map) > MOST:
+        return 0.0
+    found = damper_bound(
+        study.beam, study.vehicle, speed, road, *bounds, step=BOUND_STEP,
+        effect=study.crossing.effect,
+    )  # fmt: skip
+    return found.bound if found.meaningful else 0.0
 
 
 def simulated(study: Study, damper: Fitted, run: RampsAndRoads) -> Part:
