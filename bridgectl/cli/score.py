@@ -91,9 +91,7 @@ def add_score_options(parser: argparse.ArgumentParser) -> None:
     text = "random roads of ISO 8608 class A, and as many of class B (default 6; --robust 20)"
     options.add_option(parser, "--random", "N", text, options.as_whole)
     text = "find the optimum with all of the road known, too, and the share of the gap to it that "
-    text += (
-        "each strategy closes: some seconds for each; with --approach 0 a proven bound, too"
-    )
+    text += "each strategy closes: some seconds for each; with --approach 0 a proven bound, too"
     parser.add_argument("--clairvoyant", action="store_true", help=text)
     _add_damper_options(parser)
     robust = parser.add_argument_group("robustness")
