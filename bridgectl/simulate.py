@@ -174,7 +174,8 @@ def daf(
         'tire_force' ('tire_force_1', ...) for that of a tire. A list of effects is simulated once;
         with a damper that is not constant, once an effect.
     speeds : float or array_like, or Motion or list of these
-        Speeds c [m/s], or motions that are not uniform.
+        Speeds c [m/s], or motions that are not uniform. Several speeds of a truck may go side by
+        side, too, which is within 1e-6 of each alone.
     profile, start, method, damper
         See `crossing_response`.
     progress : bool, optional
