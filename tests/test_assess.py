@@ -129,6 +129,7 @@ def test_the_ratio_of_one_truck_on_a_level_road_is_its_daf(bridge):
     assert found.adr(75) == pytest.approx((daf,) * 3, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_dampers_are_in_a_share_of_the_trucks_which_cross_without_them_too(bridge, roads):
     fleet = bc.Fleet({"li2006": 1}, speed=SPEEDS, load={"min": 0.8, "max": 1.1}, seed=2)
     law = skyhook(3e3, 20e3)

@@ -206,6 +206,7 @@ def test_what_no_truck_or_one_has_in_common_has_no_interval():
     assert np.isnan(one[1:]).all()
 
 
+@pytest.mark.slow
 def test_hogging_moments_are_extreme_where_they_are_smallest(traffic_of_trucks, one_road):
     static, daf = traffic_of_trucks
     hogging = table_of(columns(-static, daf))
@@ -311,6 +312,7 @@ def test_words_are_codes_whichever_way_they_come():
     assert not other.is_word("d").any()
 
 
+@pytest.mark.slow
 def test_the_table_goes_to_pandas_parquet_and_csv_and_back(two_roads, tmp_path):
     import pandas as pd
 

@@ -35,6 +35,7 @@ def pairs(n_pairs, seed, iso_class="A"):
 
 
 @pytest.mark.parametrize(("which", "name"), [("surface", "passive"), ("hooked", "bridgehook")])
+@pytest.mark.slow
 def test_the_mean_is_that_of_each_road_and_its_mirror_image_simulated_alone(
     request, bridge, truck, which, name
 ):

@@ -41,6 +41,7 @@ def test_it_prints_what_the_library_finds(capsys, tmp_path):
     assert {row["road"] for row in rows} == {"class A, 1", "class A, 2"}
 
 
+@pytest.mark.slow
 def test_json_has_values_with_intervals_by_effect_and_quality(capsys):
     two = ["--spans", "20,20", "--mass-per-length", "12e3", "--frequency", "5"]
     status, out, _ = run(
@@ -110,6 +111,7 @@ def test_a_study_goes_on_with_more_trucks(capsys, tmp_path):
     assert run(capsys, *SMALL, "--json", "--resume", file)[1] == whole
 
 
+@pytest.mark.slow
 def test_figures_are_drawn_of_each_effect_and_quality(capsys, tmp_path):
     status, out, _ = run(
         capsys, *QUICK, "--trucks", "60", "--trucks-a-day", "0.01", "--plot", tmp_path / "a.png",

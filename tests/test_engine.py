@@ -125,6 +125,7 @@ def test_a_scheduler_of_this_machine_is_started_and_ended():
     assert children() == before
 
 
+@pytest.mark.slow
 def test_a_score_on_a_scheduler_is_that_of_one_process(address, bridge, truck):
     road = bc.iso8608_profile("A", 35, seed=0, start=-10)
     arguments = [passive(7e3), skyhook(1e3, 30e3)], bridge, truck, [road], [20.0, 25.0]

@@ -228,6 +228,7 @@ def test_an_influence_line_is_that_of_the_bridge(haunched, bridge):
     "quantity",
     [kind if kind == "moment" else pytest.param(kind, marks=pytest.mark.slow) for kind in KINDS],
 )
+@pytest.mark.slow
 def test_an_envelope_has_the_peaks_of_each_place(haunched, truck, road, quantity, damper):
     """Within 1e-6 of the largest; 2e-4 where a damper switches: its steps end at samples too."""
     options = {"start": -20, "damper": damper}

@@ -62,6 +62,7 @@ def test_a_force_limit_flips_no_command(bridge, truck):
     assert found.daf[0, 0] == pytest.approx(fine.peak, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_limit_and_a_lift_off_in_one_batch_leave_the_other_roads_as_they_are(bridge, truck):
     x = np.array([-10.0, -1.0, -0.9, 25.0])
     roads = np.array([[0, 0, 0, 0], [0, 0, -0.08, -0.08], [0, 0, 0.03, 0.03]])

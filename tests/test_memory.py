@@ -329,6 +329,7 @@ def test_a_law_with_states_in_a_block_is_the_sampled_one_better_the_shorter_the_
     assert np.all(np.array(errors[1:]) < np.array(errors[:-1]) / 1.6)
 
 
+@pytest.mark.slow
 def test_the_states_of_a_block_move_as_samples_do_better_the_shorter_the_sample_time():
     """Of a velocity of 5 Hz and 0.1 m/s: 3 mm/s at 4 ms, half of it at 2 ms, and so on."""
     law, errors = filtered(), []

@@ -27,6 +27,7 @@ def together(bridge, truck, roads):
 @pytest.mark.parametrize(
     "some", [slice(None, None, 5), pytest.param(slice(None), marks=pytest.mark.slow)]
 )
+@pytest.mark.slow
 def test_a_noisy_crossing_is_the_same_alone_and_in_a_batch(bridge, truck, roads, together, some):
     """Of sixty crossings every one, or some: to 1e-12 of the static moment."""
     cases = list(np.ndindex(together.shape))[some]
@@ -54,6 +55,7 @@ def test_the_order_of_a_batch_does_not_matter(bridge, truck, roads, together, se
     assert found == pytest.approx(together[np.ix_(speeds, order)], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_noisy_crossing_is_the_same_by_every_route(bridge, truck, roads, together):
     road = bc.RoadProfile(X, roads[4])
     by_daf = bc.daf(bridge, truck, SPEEDS, road, start=-10, damper=NOISY)

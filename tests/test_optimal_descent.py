@@ -171,6 +171,7 @@ def ride_of(bridge, vehicle, best, road):
 
 
 @pytest.mark.parametrize("several", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_a_limited_ride_is_kept_and_costs_some_of_the_gain(bridge, truck, roads, several):
     """Within 1 % of the limit by the closed loop, whose accelerations are no means of steps."""
     vehicle = half_car(np.random.default_rng(4), 3e4) if several else truck

@@ -37,6 +37,7 @@ def road():
 
 
 @pytest.mark.parametrize(("truck", "seed"), [(half_car, 3), (five_axles, 1)])
+@pytest.mark.slow
 def test_a_law_of_other_legs_is_its_fine_integration(truck, seed):
     """With lags and force limits, and lift-off of the first: DAF within 2e-5."""
     found, fine, lift_off = compare_law(seed, truck, PITCH)
@@ -88,6 +89,7 @@ def test_a_law_hears_what_the_sensors_of_the_other_leg_tell(bridge, vehicle, roa
     assert np.array_equal(rear > 1.5e4, found["axle_velocity"][1] > 0)
 
 
+@pytest.mark.slow
 def test_a_passive_leg_is_measured_too(bridge, vehicle, road):
     """Only the front has a damper of its own: as with the rear's passive one in the loop."""
     own = Damper(passive(vehicle.damper_dampings[1]), max_force=1e9)

@@ -81,6 +81,7 @@ def test_the_line_has_the_slope_of_a_drop_of_1_mm(bridge, truck, found, name):
     assert steps == pytest.approx((drop - smooth) / 1e-3, abs=0.1)  # 1/m
 
 
+@pytest.mark.slow
 def test_a_passive_damper_has_a_convex_daf_and_a_switching_one_has_not(bridge, truck):
     """Where the peak moves to another time, on the bridge too; the simulation's own error apart."""
     for place in (PLACE, 8.0):

@@ -196,6 +196,7 @@ def test_an_interrupted_run_goes_on_where_it_stopped(roads, board, tmp_path, mon
     assert done == ["ADD", "ADD"]
 
 
+@pytest.mark.slow
 def test_a_file_serves_more_strategies_and_changed_ones_are_done_again(roads, tmp_path):
     file = tmp_path / "score.jsonl"
     scored(roads, STRATEGIES[:1], resume=file)

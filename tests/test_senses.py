@@ -212,6 +212,7 @@ def test_a_place_and_its_time_belong_together():
 
 
 @pytest.mark.skipif(not VEHICLES.exists(), reason="the reference numbers are not shipped")
+@pytest.mark.slow
 def test_a_braking_truck_is_that_of_the_independent_code(bridge, truck):
     """DAF of a quarter-car that brakes by 3 m/s^2 from the bridge's start, of 14 modes."""
     cases = json.loads(VEHICLES.read_text(encoding="utf-8"))["cases"]

@@ -115,6 +115,7 @@ def compared(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", [0, 2, 3, 5])
+@pytest.mark.slow
 def test_both_routes_agree_within_1e_6_on_random_traffic(seed):
     compared(seed)
 

@@ -132,6 +132,7 @@ def test_a_quarter_car_and_bare_matrices_have_their_body_drawn():
         assert figure.axes[2].lines[0].get_label() == name
 
 
+@pytest.mark.slow
 def test_many_signals_of_one_kind_have_no_legend():
     convoy = bc.convoy([bc.trucks.load("T5")] * 3, [0, 20, 40])
     figure = response_figure(bc.crossing_response(bc.li2006.beam(), convoy, 25.0))

@@ -146,6 +146,7 @@ def roads():
 
 
 @pytest.mark.parametrize("name", ["passive", *quick_and_slow([*LAWS, "bridgehook", "clipped LQR"])])
+@pytest.mark.slow
 def test_a_half_car_without_coupling_inertia_is_two_quarter_cars(bridge, roads, name):
     """In open and closed loop, with a lag and a force limit, DAFs within 1e-9."""
     half = half_car(np.random.default_rng(3))
@@ -199,6 +200,7 @@ def test_constant_dampers_in_the_loop_are_the_linear_crossing(bridge, roads, tru
 
 
 @pytest.mark.filterwarnings("ignore:start = :bridgectl.PlausibilityWarning")
+@pytest.mark.slow
 def test_with_dampers_too_a_vehicle_starts_at_rest_on_the_road_under_each_axle(bridge):
     """DAFs within 1e-5 of the linear crossing's, the tires' forces within 1 N at the start."""
     vehicle = five_axles(np.random.default_rng(8))
@@ -254,6 +256,7 @@ def test_a_leg_without_a_damper_of_its_own_keeps_its_passive_one(bridge, roads):
 # What users ask
 
 
+@pytest.mark.slow
 def test_a_surface_and_a_score_are_of_all_tires_and_legs(bridge):
     vehicle = half_car(np.random.default_rng(8), 3e4)
     roads = [bc.iso8608_profile("A", 35, seed=seed, start=-10) for seed in (1, 2)]
