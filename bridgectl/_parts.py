@@ -55,6 +55,14 @@ class Kind(NamedTuple):
         return self.one.partition(" ")[2]
 
 
+def check_resume(resume: object, example: str) -> None:
+    """Check that the file of a study is named, if there is one; `example` is a name."""
+    if resume is not None and not isinstance(resume, str | os.PathLike):
+        raise TypeError(
+            f'resume must name a file, got {type(resume).__name__}: type resume="{example}"'
+        )
+
+
 class Parts:
     """Parts of a study, by name and key; kept in a file, if there is one.
 

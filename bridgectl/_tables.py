@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+import io
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from rich import box
@@ -39,3 +41,11 @@ def make_table(title: str, columns: Sequence[str], words: Sequence[str] = ()) ->
         justify: Any = "left" if name in words else "right"
         table.add_column(Text(name), justify=justify, overflow="fold")
     return table
+
+
+def printed(show: Callable[..., None], *what: Any) -> str:
+    """Return what a function prints of something, as text of 100 columns."""
+    text = io.StringIO()
+    with contextlib.redirect_stdout(text):
+        show(*what)
+    return text.getvalue()

@@ -8,13 +8,15 @@ and those of workers that died are done again.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Generator, Iterable, Sized
+from collections.abc import Callable, Generator, Iterable, Mapping, Sized
 from contextlib import closing, suppress
 from typing import Any, TypeVar
 
 from bridgectl import _checks as check
 from bridgectl import _version
 from bridgectl._ctrl_c import deaf_to_ctrl_c, hear_no_manager
+from bridgectl._parts import Part, Parts
+from bridgectl._progress import track
 from bridgectl._shares import Shares, share
 from bridgectl._threads import on_one_thread
 
@@ -50,6 +52,27 @@ def in_processes(
             yield index, result
     else:
         yield from _on_joblib(work, shares, number)
+
+
+def keep_missing(
+    parts: Parts, work: Callable[..., Part], jobs: Mapping[tuple[str, str], tuple[Any, ...]],
+    title: str, unit: str, workers: int | None, scheduler: str | None, *, progress: bool,
+    finish: Callable[[Part], Part] = lambda part: part,
+) -> None:  # fmt: skip
+    """Do the jobs whose parts are not there, each of a part; keep what `finish` makes of it."""
+    todo = [task for task in jobs if task not in parts]
+    with closing(in_processes(work, [jobs[task] for task in todo], workers, scheduler)) as found:
+        for index, part in track(
+            found, title, len(jobs), show=progress, before=len(jobs) - len(todo), unit=unit
+        ):
+            parts.keep(*todo[index], finish(part))
+
+
+def check_workers(workers: int | None, scheduler: object = None) -> None:
+    """Check what a study is told of its workers."""
+    if workers is not None:
+        check.integer("workers", workers, at_least=1)
+    check_scheduler(scheduler)
 
 
 def check_scheduler(scheduler: object) -> None:

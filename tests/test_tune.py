@@ -242,7 +242,10 @@ def test_tires_that_leave_the_road_are_left_to_the_closed_loop():
 @pytest.mark.parametrize(
     ("law", "options"), [(lines(), {}), (continuous_skyhook(1e3, 30e3), {"iterations": 4})]
 )
-def test_an_interruption_keeps_the_best_so_far(monkeypatch, law, options):
+def test_an_interruption_keeps_the_best_so_far(monkeypatch, request, law, options):
+    # Programs that a shell started in the background ignore SIGINT.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
     steps = []
 
     def interrupted(self, *given):

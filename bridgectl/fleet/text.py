@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import math
 from typing import Any, TypeAlias
 
 import numpy as np
 from rich.table import Table
 
-from bridgectl._tables import make_console, make_table
+from bridgectl._tables import make_console, make_table, printed
 from bridgectl._units import to_kmh
 from bridgectl.fleet.levels import Rule
 from bridgectl.fleet.tails import CONFIDENCE, METHODS, Estimate
@@ -37,10 +35,7 @@ Differences of mean DAFs over the same trucks, with their {confidence:g} % inter
 
 def assessment_text(assessment: Assessed, return_period: float, options: dict[str, Any]) -> str:
     """Return the tables of an assessment as text of 100 columns."""
-    text = io.StringIO()
-    with contextlib.redirect_stdout(text):
-        print_assessment(assessment, return_period, options)
-    return text.getvalue()
+    return printed(print_assessment, assessment, return_period, options)
 
 
 def print_assessment(assessment: Assessed, return_period: float, options: dict[str, Any]) -> None:

@@ -7,10 +7,12 @@ again.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
@@ -85,10 +87,19 @@ def gap_closed(first: FloatArray, own: FloatArray, best: FloatArray) -> GapClose
     share = float(gains.mean() / gaps.mean())
     if n < 2:
         return GapClosed(share, math.nan, math.nan)
-    draws = np.random.default_rng(SEED).integers(n, size=(N_DRAWS, n))
-    shares = gains[draws].mean(axis=1) / gaps[draws].mean(axis=1)
-    ends = np.percentile(shares, [50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)])
-    return GapClosed(share, *map(float, ends))
+    draws = _drawn_again(n)
+    return GapClosed(share, *_ends(gains[draws].mean(axis=1) / gaps[draws].mean(axis=1)))
+
+
+def _drawn_again(n: int) -> NDArray[np.intp]:
+    """Roads drawn again from n, (N_DRAWS, n)."""
+    return np.random.default_rng(SEED).integers(n, size=(N_DRAWS, n))
+
+
+def _ends(values: Sequence[float] | FloatArray) -> tuple[float, float]:
+    """Ends of the interval of what roads that are drawn again have, where it is known."""
+    low, high = np.nanpercentile(values, [50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)])
+    return float(low), float(high)
 
 
 def rank_correlation(first: FloatArray, second: FloatArray) -> float:
@@ -164,11 +175,7 @@ def agreement(estimate: FloatArray, simulated: FloatArray, statistic: str = "mea
     whole, n = tau(slice(None)), simulated.shape[1]
     if n < 2 or math.isnan(whole):
         return Agreement(whole, math.nan, math.nan)
-    draws = np.random.default_rng(SEED).integers(n, size=(N_DRAWS, n))
-    ends = np.nanpercentile(
-        [tau(draw) for draw in draws], [50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)]
-    )
-    return Agreement(whole, *map(float, ends))
+    return Agreement(whole, *_ends([tau(draw) for draw in _drawn_again(n)]))
 
 
 def pairs_in_order(

@@ -10,7 +10,6 @@ import hashlib
 import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import closing
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +17,10 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl._parts import Kind, Part, Parts
+from bridgectl._parts import Kind, Part, Parts, check_resume
 from bridgectl._plausible import judge_crossing, judge_range
-from bridgectl._progress import shows, track
-from bridgectl._workers import check_scheduler, in_processes
+from bridgectl._progress import shows
+from bridgectl._workers import check_workers, keep_missing
 from bridgectl.dampers.fitted import Dampers, Fitted
 from bridgectl.dampers.loop.closed_loop import run_loop
 from bridgectl.dampers.loop.loop import Loop
@@ -128,13 +127,8 @@ def robustness(
     True
     """
     check.flag("progress", progress)
-    if workers is not None:
-        check.integer("workers", workers, at_least=1)
-    check_scheduler(scheduler)
-    if resume is not None and not isinstance(resume, str | os.PathLike):
-        raise TypeError(
-            f'resume must name a file, got {type(resume).__name__}: type resume="robust.jsonl"'
-        )
+    check_workers(workers, scheduler)
+    check_resume(resume, "robust.jsonl")
     tried = errors_of(errors)
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
     devices = checked_devices(dampers, vehicle)
@@ -223,22 +217,16 @@ def _done(
     progress: bool,
 ) -> dict[tuple[str, str], Part]:
     """Do what the file has not, which is the same for all strategies to which an error is none."""
-    shapes = {
-        task: {"daf": (len(_of_classes(study, case.classes)), len(study.speeds))}
+    roads = {of: _of_classes(study, of) for of in {case.classes for case in tasks.values()}}
+    jobs = {
+        task: (case, study.speeds, study.stations, roads[case.classes])
         for task, case in tasks.items()
     }
+    shapes = {task: {"daf": (len(job[-1]), len(study.speeds))} for task, job in jobs.items()}
     with Parts(resume, header(study), shapes, KIND) as parts:
-        todo = [task for task in tasks if task not in parts]
-        jobs = [
-            (tasks[task], study.speeds, study.stations, _of_classes(study, tasks[task].classes))
-            for task in todo
-        ]
-        with closing(in_processes(_part, jobs, workers, scheduler)) as found:
-            for index, part in track(
-                found, "Trying errors", len(tasks), show=progress,
-                before=len(tasks) - len(todo), unit="cases",
-            ):  # fmt: skip
-                parts.keep(*todo[index], part)
+        keep_missing(
+            parts, _part, jobs, "Trying errors", "cases", workers, scheduler, progress=progress
+        )
         return {task: parts[task] for task in tasks}
 
 

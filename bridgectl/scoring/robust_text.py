@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import math
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 from rich.table import Table
 
-from bridgectl._tables import make_console, make_table
+from bridgectl._tables import make_console, make_table, printed
 from bridgectl._units import to_kmh
 from bridgectl.scoring.agreement import CONFIDENCE, Paired
 from bridgectl.scoring.errors import RIGHT, TOGETHER
@@ -39,10 +37,7 @@ worse than {baseline}, of so many.
 
 def robust_text(found: Found) -> str:
     """Return the tables of a robustness study as text of 100 columns."""
-    text = io.StringIO()
-    with contextlib.redirect_stdout(text):
-        print_robust(found)
-    return text.getvalue()
+    return printed(print_robust, found)
 
 
 def print_robust(found: Found) -> None:

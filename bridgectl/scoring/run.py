@@ -9,18 +9,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from contextlib import closing
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl._parts import Kind, Part, Parts, Shapes
+from bridgectl._parts import Kind, Part, Parts, Shapes, check_resume
 from bridgectl._plausible import judge_crossing, judge_range
-from bridgectl._progress import shows, track
+from bridgectl._progress import shows
 from bridgectl._threads import on_one_thread
-from bridgectl._workers import check_scheduler, in_processes
+from bridgectl._workers import check_workers, keep_missing
 from bridgectl.dampers.fitted import Dampers, Fitted
 from bridgectl.dampers.loop.damped import RampsAndRoads, ramps_and_roads
 from bridgectl.dampers.loop.work import require_loop
@@ -162,13 +162,8 @@ def score(
     """
     check.flag("progress", progress)
     check.flag("clairvoyant", clairvoyant)
-    if workers is not None:
-        check.integer("workers", workers, at_least=1)
-    check_scheduler(scheduler)
-    if resume is not None and not isinstance(resume, str | os.PathLike):
-        raise TypeError(
-            f'resume must name a file, got {type(resume).__name__}: type resume="score.jsonl"'
-        )
+    check_workers(workers, scheduler)
+    check_resume(resume, "score.jsonl")
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
     devices = checked_devices(dampers, vehicle)
     require_factor(crossing)
@@ -194,14 +189,10 @@ def score(
         tasks[optima[-1]] = own, bounds, i
         shapes[optima[-1]] = dict.fromkeys(OPTIMUM, (1, len(study.speeds)))
     with Parts(resume, header(study), shapes, KIND) as parts:
-        todo = [task for task in tasks if task not in parts]
-        jobs = [tasks[task] for task in todo]
-        with closing(in_processes(_part, jobs, workers, scheduler)) as found:
-            for index, part in track(
-                found, "Scoring strategies", len(tasks), show=progress,
-                before=len(tasks) - len(todo), unit="parts",
-            ):  # fmt: skip
-                parts.keep(*todo[index], _with_dae(study, part))
+        keep_missing(
+            parts, _part, tasks, "Scoring strategies", "parts", workers, scheduler,
+            progress=progress, finish=partial(_with_dae, study),
+        )  # fmt: skip
         done = {
             (device.name, piece): parts[task]
             for task, (_, device, piece) in tasks.items()

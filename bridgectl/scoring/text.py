@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import math
 from collections.abc import Sequence
 from typing import Any, TypeAlias
@@ -11,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from rich.table import Table
 
-from bridgectl._tables import make_console, make_table
+from bridgectl._tables import make_console, make_table, printed
 from bridgectl._units import to_kmh
 from bridgectl.scoring.agreement import CONFIDENCE, Paired
 from bridgectl.scoring.rows import CLASS_DAE, ClassRow, Ranking, Row
@@ -70,10 +68,7 @@ the same roads, those that the estimate has in the right order.
 
 def score_text(board: Board) -> str:
     """Return the tables of a scoreboard and what they say, as text of 100 columns."""
-    text = io.StringIO()
-    with contextlib.redirect_stdout(text):
-        print_score(board)
-    return text.getvalue()
+    return printed(print_score, board)
 
 
 def print_score(board: Board) -> None:
@@ -205,14 +200,15 @@ def _heading(board: Board) -> str:
         f"{kmh.size} speeds from {kmh.min():g} to {kmh.max():g} km/h"
     )  # fmt: skip
     return (
-        f"{_count(len(board.strategies), 'strategy', 'strategies')} on "
-        f"{_count(len(board.roads), 'road', 'roads')} ({'; '.join(names)}),\n"
+        f"{counted(len(board.strategies), 'strategy', 'strategies')} on "
+        f"{counted(len(board.roads), 'road', 'roads')} ({'; '.join(names)}),\n"
         f"{speeds}, {board.approach:g} m of approach\n"
         f"Bridge: {board.beam!r}\nVehicle: {board.vehicle!r}\n"
     )
 
 
-def _count(number: int, one: str, many: str) -> str:
+def counted(number: int, one: str, many: str) -> str:
+    """Return how many there are of something: '1 road', '2 roads'."""
     return f"{number} {one if number == 1 else many}"
 
 
@@ -221,14 +217,17 @@ def _bridge_table(rows: Sequence[Row], first: str) -> Table:
                "clear", "worst\nDAF", "at\nkm/h"]  # fmt: skip
     table = make_table("The bridge: dynamic amplification", columns, ["strategy", "clear"])
     for row in rows:
-        cells = ["-", "-", "-", ""] if row.strategy == first else _difference(row.daf_difference)
+        cells = (
+            ["-", "-", "-", ""] if row.strategy == first else difference_cells(row.daf_difference)
+        )
         worst = f"{row.worst_daf:.3f}", f"{to_kmh(row.worst_speed):g}"
         style = "bold" if row.strategy == first else None
         table.add_row(row.strategy, f"{row.daf:.4f}", *cells, *worst, style=style)
     return table
 
 
-def _difference(difference: Paired) -> list[str]:
+def difference_cells(difference: Paired) -> list[str]:
+    """Return a difference, the ends of its interval, and what is clear of it, as text."""
     word = ("lower" if difference.mean < 0 else "higher") if difference.clear else ""
     return [*map(_signed, difference), word]
 

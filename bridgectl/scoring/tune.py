@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_crossing, judge_range
+from bridgectl._workers import check_workers
 from bridgectl.dampers.actuator import Damper, as_damper
 from bridgectl.dampers.fitted import Fitted, fitted_everywhere
 from bridgectl.dampers.preset import Preset
@@ -135,8 +136,7 @@ held out, approach of 2 m)
     """
     check.flag("progress", progress)
     check.choice("objective", objective, (DAF, CLASS_DAE))
-    if workers is not None:
-        check.integer("workers", workers, at_least=1)
+    check_workers(workers)
     soft = np.inf if softness is None else check.positive("softness", softness)
     steps = check.integer("iterations", iterations, at_least=1)
     device = as_damper(damper)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 from typing import Any, TypeAlias
 
 import numpy as np
 from rich.table import Table
 
-from bridgectl._tables import make_console, make_table
+from bridgectl._tables import make_console, make_table, printed
 from bridgectl._units import to_kmh
 from bridgectl.scoring.agreement import CONFIDENCE
-from bridgectl.scoring.text import _count, _difference
+from bridgectl.scoring.text import counted, difference_cells
 
 # Tuning, whose module imports this one.
 Tuned: TypeAlias = Any
@@ -26,10 +24,7 @@ mean of the second-order DAE over all roads of the class, in closed form.
 
 def tuning_text(tuned: Tuned) -> str:
     """Return the tables of a tuning and what they say, as text of 100 columns."""
-    text = io.StringIO()
-    with contextlib.redirect_stdout(text):
-        print_tuning(tuned)
-    return text.getvalue()
+    return printed(print_tuning, tuned)
 
 
 def print_tuning(tuned: Tuned) -> None:
@@ -76,7 +71,7 @@ def _daf_table(tuned: Tuned) -> Table:
     ):
         if dafs.size:
             cells = [f"{each.mean():.4f}" for each in dafs]
-            table.add_row(what, *cells, *_difference(tuned.change(roads)))
+            table.add_row(what, *cells, *difference_cells(tuned.change(roads)))
     for name, dae in tuned.class_dae.items():
         before, after = dae.mean(axis=1)
         cells = [f"{before:.4f}", f"{after:.4f}", f"{after - before + 0.0:+.4f}"]
@@ -88,7 +83,7 @@ def _sentences(tuned: Tuned) -> list[str]:
     one, several = ("generation", "generations") if tuned.method == "generations" else (
         "gradient after the first", "gradients after the first"
     )  # fmt: skip
-    lines = [f"{_count(tuned.history.size - 1, one, several)}, {tuned.seconds:.1f} s."]
+    lines = [f"{counted(tuned.history.size - 1, one, several)}, {tuned.seconds:.1f} s."]
     if tuned.interrupted:
         lines.append("Interrupted: these are the best gains so far.")
     if not tuned.held_out.size:
