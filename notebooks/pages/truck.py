@@ -133,7 +133,7 @@ def ramps_and_estimates(kmh: Any, surface: Any, road: Any, simulated: Any) -> Fi
     figure = Figure(figsize=(10.5, 3.9), layout="constrained")
     axes = figure.subplots(1, 2)
     surface.plot(difference=True, ax=axes[0])
-    axes[0].set(title="what a 1 mm drop changes", xlim=(-1.2, 1))
+    axes[0].set(title="what a 1 mm drop changes", xlim=(-1.2, 1), xticks=[-1, -0.5, 0, 0.5, 1])
     ax = axes[1]
     ax.plot(kmh, surface.superposed_daf(road), color=style.SKY, lw=4.5, label="superposed DAF")
     ax.plot(kmh, simulated, color=style.BLACK, lw=1.1, label="simulated DAF")
