@@ -217,7 +217,7 @@ def vehicle() -> Figure:
 
 def response() -> Figure:
     beam, truck = bc.li2006.beam(), bc.trucks.load("T5air")
-    return response_figure(bc.crossing_response(beam, truck, 25.0, static=True))
+    return response_figure(bc.crossing_response(beam, truck, 25.0, static=True)).figure
 
 
 def semitrailer() -> Figure:
