@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._labelled import Labelled
 from bridgectl._places import SAME_PLACE, count_pieces, even_places
 from bridgectl.road.iri import GOOD, running_iri, segment_iri
 from bridgectl.road.limits import mean_step
@@ -22,6 +23,7 @@ from bridgectl.road.sampling import measured_step, warn_if_coarse
 from bridgectl.road.stations import Stations
 
 if TYPE_CHECKING:
+    import pandas
     from matplotlib.axes import Axes
 
 
@@ -301,6 +303,17 @@ class Elevations(Stations):
         RoadPsd('UTIA road', 200 wave numbers from 0.01 to 2 cycles/m, 8.6 averages)
         """
         return road_psd(self._x, self._elevation, segment, window, self._name, self.measured_step)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the elevation [m], positive up, as a table over the stations [m].
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by 'station' with a column 'elevation'; units are in ``attrs["units"]``.
+        """
+        columns = {"elevation": self._elevation}
+        return Labelled({"station": self._x}, columns, {"elevation": "m"}).table()
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the elevation [mm] over the station [m].
