@@ -330,7 +330,7 @@ class Elevations(Stations):
         import matplotlib.pyplot as plt  # here, so that no crossing waits for matplotlib
 
         if ax is None:
-            ax = plt.subplots()[1]
+            ax = plt.subplots(layout="constrained")[1]
         ax.plot(self._x, 1e3 * self._elevation, label=self._name or None)
         ax.set_xlabel("station x [m]")
         ax.set_ylabel("elevation, up [mm]")
