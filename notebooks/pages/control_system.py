@@ -183,6 +183,10 @@ def check(names: dict[str, Any]) -> None:
     ratio = abs(n.loci[:, 1].real) / first
     (passive_ride, passive_daf, _), (sky_ride, sky_daf, _) = n.ratings.values()
     tight = n.errors["rtol 1e-9, atol 1e-12"].max()
+    slow = [
+        abs(n.matrices.frozen(share * n.beam.length)["moment", "road"](1j * np.pi))
+        for share in (0.25, 0.5)
+    ]
     mass = (n.truck.sprung_mass + n.truck.unsprung_mass) / (n.beam.mass_per_length * n.beam.length)
 
     def blocked(share: float) -> float:
@@ -204,6 +208,7 @@ def check(names: dict[str, Any]) -> None:
         ("truck at a quarter point: bridge 2 [Hz]", second[20] / 2 / np.pi, 16.3734, 1e-3),
         ("truck at mid-span: bridge 2 [Hz]", second[-1] / 2 / np.pi, n.beam.frequencies[1], 1e-3),
         ("zero of road -> tire_force, over w_1", abs(n.nearest) / n.beam.omega[0], 1, 1e-6),
+        ("road -> moment at 0.5 Hz, truck at 0.25 l over 0.5 l", slow[0] / slow[1], 0.5, 0.01),
         ("zero of road -> moment, truck at mid-span [Hz]", blocked(0.5), 9.6, 0.05),
         ("zero of road -> moment, truck at 0.375 l [Hz]", blocked(0.375), 25, 0.2),
         ("DAF, default tolerances: off by", n.peaks["default tolerances"] - 1.1302, 0.006, 1e-3),
