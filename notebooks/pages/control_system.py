@@ -138,7 +138,7 @@ def solver_errors(x: np.ndarray, errors: Mapping[str, np.ndarray]) -> Figure:
     ax.axhline(0.006, color=style.GREY, ls=":", label="effect of a 1 mm ramp at 0.3 l")
     ax.set(xlabel=PLACE, ylabel="error of the moment / $M_0$ [-]")
     ax.set(xlim=(0, x[-1]), ylim=(1e-10, 1))
-    ax.legend(loc="center", bbox_to_anchor=(0.5, 0.4))
+    ax.legend(loc="center", bbox_to_anchor=(0.5, 0.34))
     return fig
 
 
