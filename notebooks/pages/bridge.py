@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 import bridgectl as bc
 from bridgectl.plots import bridge_plot, style
-
-from .shell import told
+from pages.claims import hold
+from pages.shell import told
 
 NAMES = ("hogging over the pier", "sagging in the second span")
 COLORS = dict(zip(NAMES, (style.BLUE, style.VERMILLION), strict=True))
@@ -178,7 +178,9 @@ def check(names: dict[str, Any]) -> None:
         name: told(f"{n.command} --bridge {name}.toml")["daf_simulated"]
         for name in ("my_bridge", "measured")
     }
-    for claim, value, expected, tolerance in [
+    assert pier_daf.max() > span_daf.max()
+    assert 0.1 < n.trust[0].trusted.mean() < 0.25
+    hold([
         ("first frequency [Hz]", n.bridge.frequencies[0], 3.277, 1e-3),
         ("second frequency [Hz]", n.bridge.frequencies[1], 6.34, 0.01),
         ("damping ratio of mode 4", n.bridge.damping_ratios[3], 0.02, 1e-9),
@@ -199,8 +201,4 @@ def check(names: dict[str, Any]) -> None:
         ("DAE of hogging, mean error", errors[0].mean(), 0.166, 2e-3),
         ("DAE of sagging, mean error", errors[1].mean(), 0.008, 1e-3),
         ("sagging: where it is trusted", n.trust[1].trusted.mean(), 0.8, 0.05),
-    ]:
-        assert abs(value - expected) <= tolerance, f"{claim}: {value}, expected {expected}"
-    assert pier_daf.max() > span_daf.max()
-    assert 0.1 < n.trust[0].trusted.mean() < 0.25
-    print("All claims of this page checked.")
+    ])  # fmt: skip

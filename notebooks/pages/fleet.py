@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 import bridgectl as bc
 from bridgectl.plots import style
+from pages.claims import hold
 
 CODE = 1.33
 """Static load and dynamic load allowance of AASHTO LRFD, over the static load."""
@@ -101,7 +102,10 @@ def check(names: dict[str, Any]) -> None:
         command = [float(each["total moment [N m]"]) for each in csv.DictReader(file)]
     off = np.abs(np.array(command) / n.table["total moment"] - 1).max()
     stress = n.table["total stress"] * 1.1 / n.table["total moment"]
-    for claim, value, expected, tolerance in [
+    assert all(ratio.value < CODE for ratio in n.ratios.values())
+    assert 2 * n.change["twice the damping, class B"].value > n.change["class A instead of B"].value
+    assert n.ratios["A"].high < CODE < n.ratios["B"].high
+    hold([
         ("row 7: DAF in the table and alone", row["daf moment"], alone, 1e-6),
         ("row 7: total over static moment", row["total moment"] / row["static moment"],
          row["daf moment"], 1e-12),
@@ -118,9 +122,4 @@ def check(names: dict[str, Any]) -> None:
         ("class A instead of B", n.change["class A instead of B"].value, -0.074, 0.002),
         ("bridgehook", n.change["bridgehook, class B"].value, -0.08, 0.02),
         ("twice the damping", n.change["twice the damping, class B"].value, -0.03, 0.01),
-    ]:  # fmt: skip
-        assert abs(value - expected) <= tolerance, f"{claim}: {value}, expected {expected}"
-    assert all(ratio.value < CODE for ratio in n.ratios.values())
-    assert 2 * n.change["twice the damping, class B"].value > n.change["class A instead of B"].value
-    assert n.ratios["A"].high < CODE < n.ratios["B"].high
-    print("All claims of this page checked.")
+    ])  # fmt: skip
