@@ -2,7 +2,8 @@
 
 The sdist and, of it, the wheel are built into FOLDER. The wheel holds every file of the package and
 the licences, and no tests. The newest Python of this machine gets it into an environment of its
-own, where the program runs away from the checkout; `.ci/run` tests it on the lowest one.
+own, where the program and a user's script run away from the checkout, and the types of the script
+are checked; `.ci/run` tests the wheel on the lowest one.
 """
 
 import os
@@ -18,18 +19,14 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads(ROOT.joinpath("pyproject.toml").read_text(encoding="utf-8"))["project"]
 
-SMOKE = """
-import bridgectl as bc
-beam, truck = bc.li2006.beam(), bc.li2006.car()
-road = bc.utia_road().place_bridge(678).crop(-200, 25).detrend()
-print("DAF", bc.daf(beam, truck, [25.0], road, start=-200), "of", bc.__file__)
-"""
+USER = ROOT / "tests" / "typed_user.py"
+"""A user's script, of which a strict type checker finds nothing to say either."""
 
 
 def build(folder: Path) -> Path:
     """Return the wheel, after a look into it and the sdist."""
-    subprocess.run([sys.executable, "-m", "build", "--outdir", folder, ROOT], check=True,
-                   stdout=subprocess.DEVNULL)  # fmt: skip
+    command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", folder, ROOT]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     (sdist,), (wheel,) = folder.glob("*.tar.gz"), folder.glob("*.whl")
     subprocess.run([sys.executable, "-m", "twine", "check", "--strict", sdist, wheel], check=True)
     tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, capture_output=True)
@@ -73,14 +70,16 @@ def try_wheel(wheel: Path, python: str, folder: Path) -> None:
     """Install the wheel, and run it where there is no checkout; a warning is an error."""
     subprocess.run([python, "-m", "venv", folder], check=True)
     own = folder / "bin" / "python"
-    subprocess.run([own, "-m", "pip", "install", "--quiet", wheel], check=True)
+    subprocess.run([own, "-m", "pip", "install", "--quiet", "--no-compile", wheel], check=True)
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     environment["PYTHONWARNINGS"] = "error"
     for command in (
         [folder / "bin" / "bridgectl", "--version"], [own, "-m", "bridgectl", "profile"],
-        [own, "-c", SMOKE],
+        [own, USER],
     ):  # fmt: skip
         subprocess.run(command, check=True, cwd=folder, env=environment)
+    checker = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--python-executable"]
+    subprocess.run([*checker, own, USER], check=True, cwd=folder)
 
 
 if __name__ == "__main__":
