@@ -262,7 +262,7 @@ def _roads(args: argparse.Namespace, length: float) -> dict[str, list[bc.RoadPro
     options.check_ramps("--approach", args.approach)
     check.integer("--random", args.random, at_least=1)
     departure = args.approach if args.meeting else 0.0
-    found = {MEASURED: roads.file_roads(args, length, departure)} if args.roads else {}
+    found = {MEASURED: roads.file_roads(args, length, departure)[0]} if args.roads else {}
     if not args.roads:
         options.refuse_file_options(args)
     text = args.classes or ("" if args.roads else CLASSES)

@@ -1,0 +1,138 @@
+"""What a scoreboard says first: which strategy is best for the bridge, how surely, at what price.
+
+`bridgectl score` opens with it, and so does `print(board)`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+from rich.table import Table
+
+from bridgectl._tables import make_table
+from bridgectl._units import to_kmh
+from bridgectl.model.words import Amounts, effect_in_words
+from bridgectl.scoring.agreement import CONFIDENCE
+from bridgectl.scoring.rows import Row
+
+# Scoreboard, whose module imports those of this one.
+Board: TypeAlias = Any
+
+FEW, BEST = 8, 4
+"""Strategies that the short table has all of; of more it has the best, the first and the last."""
+
+
+def amounts_of(board: Board, section_modulus: float | None = None) -> Amounts:
+    """Return how the effect of a board is told."""
+    return Amounts(board.effect.unit, section_modulus)
+
+
+def verdict(board: Board, amounts: Amounts) -> list[str]:
+    """Return what is to be said first: three sentences, and a warning if there is one."""
+    rows = board.rows()
+    best, own = rows[0], next(row for row in rows if row.strategy == board.strategies[0])
+    lines = [_first_sentence(board, best, own, amounts)]
+    if len(rows) > 1:
+        lines += [_price(best, own), _others(board, rows, own)]
+    flying = [row.strategy for row in rows if row.least_force <= 0]
+    if flying:
+        lines.append(f"A tire leaves the road with {', '.join(flying)}.")
+    return [line for line in lines if line]
+
+
+def _first_sentence(board: Board, best: Row, own: Row, amounts: Amounts) -> str:
+    static = board.static_peak
+    of_best, of_own, at_rest = (
+        amounts.told(value * static, units=i == 0) for i, value in enumerate((best.daf, own.daf, 1))
+    )
+    what = effect_in_words(board.effect)
+    if len(board.strategies) == 1:
+        return (
+            f"{own.strategy} has a mean DAF of {own.daf:.3f}, and of {own.worst_daf:.3f} at the "
+            f"worst speed, {to_kmh(own.worst_speed):g} km/h: a {what} of {of_best}, static "
+            f"{at_rest}."
+        )
+    if best is own:
+        return (
+            f"No strategy has a lower mean DAF than {own.strategy}, {own.daf:.3f}: a {what} of "
+            f"{of_own} {amounts.units[0]} on average, static {at_rest}."
+        )
+    low, high = sorted(-end for end in best.daf_difference[1:])
+    less = -best.daf_difference.mean
+    means = f"the {what} is {of_best} on average in place of {of_own}, static {at_rest}"
+    if math.isnan(low):
+        return (
+            f"Lowest mean DAF: {best.strategy}, {best.daf:.3f}, {less:.3f} below {own.strategy}; "
+            f"{means}."
+        )
+    sure = f"{100 * CONFIDENCE:g} % confidence: {low:.3f} to {high:.3f}"
+    if best.daf_difference.clear:
+        return (
+            f"Lowest mean DAF: {best.strategy}, {best.daf:.3f}, {less:.3f} below {own.strategy} "
+            f"({sure}); {means}."
+        )
+    return (
+        f"No strategy is clearly better than {own.strategy}: {best.strategy} has the lowest mean "
+        f"DAF, {best.daf:.3f}, by {less:.3f} ({sure}), but not clearly: other roads may turn it "
+        f"round; {means}."
+    )
+
+
+def _price(best: Row, own: Row) -> str:
+    """Say what the best strategy does to ride and suspension."""
+    if best is own:
+        return ""
+    return (
+        f"With it the body accelerates by {best.body_acceleration:.2g} m/s^2 rms in place of "
+        f"{own.body_acceleration:.2g}, the suspension travels up to "
+        f"{1e3 * best.suspension_travel:.0f} mm in place of {1e3 * own.suspension_travel:.0f}."
+    )
+
+
+def _others(board: Board, rows: Sequence[Row], own: Row) -> str:
+    """Say how the others compare with the first, all at the same confidence."""
+    if len(board.roads) == 1:
+        return "A single road gives no confidence intervals: --random N adds roads."
+    others = [row for row in rows[1:] if row is not own]
+    if not others:
+        return ""
+    better = [row for row in others if row.daf_difference.clear and row.daf_difference.mean < 0]
+    worse = [row for row in others if row.daf_difference.clear and row.daf_difference.mean > 0]
+    unclear = len(others) - len(better) - len(worse)
+    named = f" ({', '.join(row.strategy for row in better)})" if 0 < len(better) <= 3 else ""
+    only = "the other" if len(others) == 1 else f"the {len(others)} others"
+    return (
+        f"Of {only}, {len(better) or 'none'}{named} clearly lowers it, "
+        f"{len(worse) or 'none'} clearly raises it, {unclear or 'none'} cannot be told from "
+        f"{own.strategy} on these roads."
+    )
+
+
+def picked(board: Board, rows: Sequence[Row]) -> list[Row]:
+    """Return the strategies of the short table, in order."""
+    if len(rows) <= FEW:
+        return list(rows)
+    kept = {row.strategy for row in rows[:BEST]} | {board.strategies[0], rows[-1].strategy}
+    return [row for row in rows if row.strategy in kept]
+
+
+def short_table(board: Board, rows: Sequence[Row], amounts: Amounts) -> Table:
+    """Return the table that comes with the verdict."""
+    columns = ["strategy", "mean\nDAF", *(f"mean\n[{unit}]" for unit in amounts.units), "change",
+               f"{100 * CONFIDENCE:g} % interval", "ride\n[m/s2]", "travel\n[mm]"]  # fmt: skip
+    title = f"Dynamic amplification (DAF) of the {effect_in_words(board.effect)}"
+    table = make_table(title, columns, ["strategy"])
+    table.collapse_padding = True
+    for row in rows:
+        first = row.strategy == board.strategies[0]
+        mean, low, high = row.daf_difference
+        change = "-" if first else f"{mean:+.3f}"
+        ends = "-" if first or math.isnan(low) else f"{low:+.3f} {high:+.3f}"
+        table.add_row(
+            row.strategy, f"{row.daf:.3f}", *amounts.cells(row.daf * board.static_peak), change,
+            ends, f"{row.body_acceleration:.3f}", f"{1e3 * row.suspension_travel:.0f}",
+            style="bold" if first else None,
+        )  # fmt: skip
+    return table
