@@ -70,4 +70,4 @@ def next_steps(args: argparse.Namespace, *more: tuple[str, str]) -> str:
         (FULL, args.full),
     ]
     lines = [f"  {what:<14} {words}" for (what, words), done in steps if not done]
-    return "\n".join(["Next, add to this command for", *lines]) if lines else ""
+    return "\n".join(["", "Next, add to this command for", *lines]) if lines else ""

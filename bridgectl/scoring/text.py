@@ -14,7 +14,7 @@ from bridgectl._units import to_kmh
 from bridgectl.model.words import Amounts, crossing_in_words, effect_in_words
 from bridgectl.scoring.agreement import CONFIDENCE, Paired
 from bridgectl.scoring.rows import CLASS_DAE, ClassRow, Ranking, Row
-from bridgectl.scoring.verdict import amounts_of, picked, short_table, verdict
+from bridgectl.scoring.verdict import amounts_of, counted, picked, short_table, verdict
 
 # Scoreboard, whose module imports this one.
 Board: TypeAlias = Any
@@ -226,11 +226,6 @@ def _studied(board: Board) -> str:
 def _heading(board: Board) -> str:
     """What was simulated, to the last parameter."""
     return f"{_studied(board)}\nBridge: {board.beam!r}\nVehicle: {board.vehicle!r}"
-
-
-def counted(number: int, one: str, many: str) -> str:
-    """Return how many there are of something: '1 road', '2 roads'."""
-    return f"{number} {one if number == 1 else many}"
 
 
 def _bridge_table(board: Board, rows: Sequence[Row], amounts: Amounts) -> Table:

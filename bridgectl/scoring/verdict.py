@@ -20,8 +20,9 @@ from bridgectl.scoring.rows import Row
 # Scoreboard, whose module imports those of this one.
 Board: TypeAlias = Any
 
-FEW, BEST = 8, 4
-"""Strategies that the short table has all of; of more it has the best, the first and the last."""
+FEW, BEST, NAMED = 8, 4, 3
+"""Strategies that the short table has all of; of more it has so many of the best, the first and the
+last; and how many a sentence names."""
 
 
 def amounts_of(board: Board, section_modulus: float | None = None) -> Amounts:
@@ -98,16 +99,16 @@ def _others(board: Board, rows: Sequence[Row], own: Row) -> str:
     others = [row for row in rows[1:] if row is not own]
     if not others:
         return ""
-    better = [row for row in others if row.daf_difference.clear and row.daf_difference.mean < 0]
-    worse = [row for row in others if row.daf_difference.clear and row.daf_difference.mean > 0]
-    unclear = len(others) - len(better) - len(worse)
-    named = f" ({', '.join(row.strategy for row in better)})" if 0 < len(better) <= 3 else ""
-    only = "the other" if len(others) == 1 else f"the {len(others)} others"
-    return (
-        f"Of {only}, {len(better) or 'none'}{named} clearly lowers it, "
-        f"{len(worse) or 'none'} clearly raises it, {unclear or 'none'} cannot be told from "
-        f"{own.strategy} on these roads."
+    clear = [row for row in others if row.daf_difference.clear]
+    better = [row.strategy for row in clear if row.daf_difference.mean < 0]
+    named = ", ".join(better) if len(better) <= NAMED else str(len(better))
+    found = (
+        (len(better), named, f"clearly better than {own.strategy}"),
+        (n := len(clear) - len(better), str(n), f"clearly worse than {own.strategy}"),
+        (n := len(others) - len(clear), str(n), f"not to be told from {own.strategy}"),
     )
+    told = [f"{who} {'is' if n == 1 else 'are'} {what}" for n, who, what in found if n]
+    return f"Of the {counted(len(others), 'other', 'others')}, {', '.join(told)} on these roads."
 
 
 def picked(board: Board, rows: Sequence[Row]) -> list[Row]:
@@ -128,11 +129,20 @@ def short_table(board: Board, rows: Sequence[Row], amounts: Amounts) -> Table:
     for row in rows:
         first = row.strategy == board.strategies[0]
         mean, low, high = row.daf_difference
-        change = "-" if first else f"{mean:+.3f}"
-        ends = "-" if first or math.isnan(low) else f"{low:+.3f} {high:+.3f}"
+        change = "-" if first else _signed(mean)
+        ends = "-" if first or math.isnan(low) else f"{_signed(low)} {_signed(high)}"
         table.add_row(
             row.strategy, f"{row.daf:.3f}", *amounts.cells(row.daf * board.static_peak), change,
             ends, f"{row.body_acceleration:.3f}", f"{1e3 * row.suspension_travel:.0f}",
             style="bold" if first else None,
         )  # fmt: skip
     return table
+
+
+def counted(number: int, one: str, many: str) -> str:
+    """Return how many there are of something: '1 road', '2 roads'."""
+    return f"{number} {one if number == 1 else many}"
+
+
+def _signed(value: float) -> str:
+    return f"{round(value, 3) + 0.0:+.3f}"  # no negative zero
