@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import bridgectl as bc
 from bridgectl import _checks as check
-from bridgectl.cli import options
+from bridgectl.cli.commands.shared import VEHICLE
 from bridgectl.cli.effects import Asked
 
 MODULI = 1e-5, 1e3
@@ -21,21 +21,6 @@ ROAD, BRIDGE, TRUCK, STRESS, FULL = (
     ("every table", "--full"),
 )
 """What to add to a command, and what for."""
-
-
-def add_full_option(parser: argparse.ArgumentParser) -> None:
-    """Add --full."""
-    parser.add_argument(
-        "--full", action="store_true", help="print every table, not the verdict and a short one"
-    )
-
-
-def add_stress_option(parser: argparse.ArgumentParser) -> None:
-    """Add the section modulus."""
-    options.add_option(
-        parser, "--section-modulus", "W", "of the fibre whose stress [MPa] is told beside moments "
-        "[m^3]", options.as_number,
-    )  # fmt: skip
 
 
 def checked_modulus(args: argparse.Namespace, asked: Sequence[Asked]) -> float | None:
@@ -60,7 +45,7 @@ def next_steps(args: argparse.Namespace, *more: tuple[str, str]) -> str:
     """Return what may be added to a command: what is not given yet, and then `more`."""
     given = vars(args)
     own_bridge = any(given.get(name) for name in ("bridge", "length", "spans", "span", "deck"))
-    own_truck = any(given.get(name) for name in ("truck", *options.VEHICLE, "weighed", "fleet"))
+    own_truck = any(given.get(name) for name in ("truck", *VEHICLE, "weighed", "fleet"))
     steps = [
         (ROAD, given.get("file") or given.get("roads")),
         (BRIDGE, own_bridge or "bridge" not in given),
