@@ -31,7 +31,9 @@ def print_verdict(studies: Sequence[Study], section_modulus: float | None = None
     console = make_console()
     for study in studies:
         lines = [_critical_sentence(study, amounts_of(study, section_modulus))]
-        if len(studies) == 1:
+        if len(studies) > 1:
+            lines = [f"{study.asked.name}: {lines[0][0].lower()}{lines[0][1:]}"]
+        else:
             lines += [_estimate_sentence(study), _ramp_sentence(study)]
         for line in lines:
             console.print(line)
