@@ -13,8 +13,9 @@ from bridgectl.cli.effects import Asked
 MODULI = 1e-5, 1e3
 """Section moduli that a bridge may have [m^3]: a footbridge's rail to a box girder's deck."""
 
-ROAD, BRIDGE, TRUCK, STRESS, FULL = (
+ROAD, FILE, BRIDGE, TRUCK, STRESS, FULL = (
     ("your road", "ROAD.csv --units m,mm --station 1250"),
+    ("your road", "ROAD.csv --units m,mm"),
     ("your bridge", "--spans 25,25 --mass-per-length 18e3 --frequency 4.1"),
     ("your truck", "--truck T5air"),
     ("stress", "--section-modulus 1.1"),
@@ -47,7 +48,7 @@ def next_steps(args: argparse.Namespace, *more: tuple[str, str]) -> str:
     own_bridge = any(given.get(name) for name in ("bridge", "length", "spans", "span", "deck"))
     own_truck = any(given.get(name) for name in ("truck", *VEHICLE, "weighed", "fleet"))
     steps = [
-        (ROAD, given.get("file") or given.get("roads")),
+        (ROAD if "station" in given else FILE, given.get("file") or given.get("roads")),
         (BRIDGE, own_bridge or "bridge" not in given),
         (TRUCK, own_truck or "truck" not in given),
         *((each, False) for each in more),
