@@ -31,7 +31,9 @@ def test_dae_without_a_file_is_the_dae_of_the_measured_road(capsys):
     assert (status, err) == (0, "")
     assert "Road: UTIA road, bridge from station 678 m" in out
     assert "speed [km/h]" in out
-    assert out.startswith("Critical speed: 66 km/h, DAF 1.1775 (smooth road: 108 km/h, 1.1365): the ")
+    assert out.startswith(
+        "Critical speed: 66 km/h, DAF 1.1775 (smooth road: 108 km/h, 1.1365): the "
+    )
     row = next(line for line in out.splitlines() if line.strip().startswith("110 "))
     assert row.split() == ["110", "1.1284", "1.0394", "1.0411", "1.0411", "-0.0017"]
     ramps = out[out.index("The 10 ramps") :]

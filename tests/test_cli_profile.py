@@ -58,7 +58,9 @@ def test_every_track_is_measured_and_a_rough_one_is_not_good(capsys, two_tracks)
 def test_the_text_has_a_column_for_each_track(capsys, two_tracks):
     status, out, _ = run_command(capsys, "profile", two_tracks, "--segment", "50", "--full")
     assert status == 0
-    assert out.startswith("1 of 2 tracks is good (an IRI below 7 m/km); the roughest is survey right")
+    assert out.startswith(
+        "1 of 2 tracks is good (an IRI below 7 m/km); the roughest is survey right"
+    )
     assert "IRI [m/km] of each 50 m" in out
     assert "not good" in out
     lines = [line.rstrip() for line in out.splitlines()]

@@ -75,7 +75,10 @@ def run_assess(args: argparse.Namespace) -> None:
 
     try:
         options.deliver(
-            args, draw, lambda: json.dumps(assessment_json(found, args, rule, modulus), indent=1), show
+            args,
+            draw,
+            lambda: json.dumps(assessment_json(found, args, rule, modulus), indent=1),
+            show,
         )
     except ValueError:  # where there is no tail there is no figure, but all else
         if not args.json:

@@ -37,9 +37,7 @@ class Cell(NamedTuple):
     why: str
 
 
-def cells_of(
-    assessment: Assessed, return_period: float, options: dict[str, Any]
-) -> list[Cell]:
+def cells_of(assessment: Assessed, return_period: float, options: dict[str, Any]) -> list[Cell]:
     """Read an assessment: of each effect and quality that is asked for."""
     options = dict(options)
     effect, quality = options.pop("effect", None), options.pop("quality", None)

@@ -176,6 +176,11 @@ def score(
     check.flag("progress", progress)
     check.flag("clairvoyant", clairvoyant)
     check.flag("dae", dae)
+    if not (on_simulated is None or callable(on_simulated)):
+        raise TypeError(
+            f"on_simulated must be a function of a scoreboard, got {on_simulated!r:.40}: type "
+            "on_simulated=print"
+        )
     check_workers(workers, scheduler)
     check_resume(resume, "score.jsonl")
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
@@ -189,6 +194,7 @@ def score(
         n_ramps=study.n_ramps + len(study.classes) * n_class_ramps(study.n_ramps),
         n_recorded=len(RECORDED), at_once=ROADS_AT_ONCE, announced=not shows(progress),
     )  # fmt: skip
+
     def tasks_of(pieces: Sequence[Piece]) -> Tasks:
         return {
             (task_name(device, piece, len(roads)), key(device, study, piece)):

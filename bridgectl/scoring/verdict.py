@@ -44,40 +44,36 @@ def verdict(board: Board, amounts: Amounts) -> list[str]:
 
 
 def _first_sentence(board: Board, best: Row, own: Row, amounts: Amounts) -> str:
+    """Say which strategy has the lowest mean DAF, how surely, and how much the effect then is."""
     static = board.static_peak
     of_best, of_own, at_rest = (
-        amounts.told(value * static, units=i == 0) for i, value in enumerate((best.daf, own.daf, 1))
+        amounts.told(daf * static, units=i == 0) for i, daf in enumerate((best.daf, own.daf, 1.0))
     )
-    what = effect_in_words(board.effect)
+    sizes = f"the {effect_in_words(board.effect)} is {of_best} on average"
     if len(board.strategies) == 1:
         return (
             f"{own.strategy} has a mean DAF of {own.daf:.3f}, and of {own.worst_daf:.3f} at the "
-            f"worst speed, {to_kmh(own.worst_speed):g} km/h: a {what} of {of_best}, static "
-            f"{at_rest}."
+            f"worst speed, {to_kmh(own.worst_speed):g} km/h; {sizes}, static {at_rest}."
         )
     if best is own:
         return (
-            f"No strategy has a lower mean DAF than {own.strategy}, {own.daf:.3f}: a {what} of "
-            f"{of_own} {amounts.units[0]} on average, static {at_rest}."
+            f"No strategy has a lower mean DAF than {own.strategy}, {own.daf:.3f}; {sizes}, static "
+            f"{at_rest}."
         )
+    sizes += f" in place of {of_own}, static {at_rest}"
     low, high = sorted(-end for end in best.daf_difference[1:])
     less = -best.daf_difference.mean
-    means = f"the {what} is {of_best} on average in place of {of_own}, static {at_rest}"
-    if math.isnan(low):
+    sure = "" if math.isnan(low) else (
+        f" ({100 * CONFIDENCE:g} % confidence: {_plain(low)} to {_plain(high)})"
+    )  # fmt: skip
+    if best.daf_difference.clear or not sure:
         return (
-            f"Lowest mean DAF: {best.strategy}, {best.daf:.3f}, {less:.3f} below {own.strategy}; "
-            f"{means}."
-        )
-    sure = f"{100 * CONFIDENCE:g} % confidence: {low:.3f} to {high:.3f}"
-    if best.daf_difference.clear:
-        return (
-            f"Lowest mean DAF: {best.strategy}, {best.daf:.3f}, {less:.3f} below {own.strategy} "
-            f"({sure}); {means}."
+            f"Lowest mean DAF: {best.strategy}, {best.daf:.3f}, {less:.3f} below {own.strategy}"
+            f"{sure}; {sizes}."
         )
     return (
         f"No strategy is clearly better than {own.strategy}: {best.strategy} has the lowest mean "
-        f"DAF, {best.daf:.3f}, by {less:.3f} ({sure}), but not clearly: other roads may turn it "
-        f"round; {means}."
+        f"DAF, {best.daf:.3f}, {less:.3f} below it{sure}, but other roads may turn it round; {sizes}."
     )
 
 
@@ -86,8 +82,8 @@ def _price(best: Row, own: Row) -> str:
     if best is own:
         return ""
     return (
-        f"With it the body accelerates by {best.body_acceleration:.2g} m/s^2 rms in place of "
-        f"{own.body_acceleration:.2g}, the suspension travels up to "
+        f"With {best.strategy} the body accelerates by {best.body_acceleration:.2g} m/s^2 rms in "
+        f"place of {own.body_acceleration:.2g}, and the suspension travels up to "
         f"{1e3 * best.suspension_travel:.0f} mm in place of {1e3 * own.suspension_travel:.0f}."
     )
 
@@ -146,3 +142,7 @@ def counted(number: int, one: str, many: str) -> str:
 
 def _signed(value: float) -> str:
     return f"{round(value, 3) + 0.0:+.3f}"  # no negative zero
+
+
+def _plain(value: float) -> str:
+    return f"{round(value, 3) + 0.0:.3f}"
