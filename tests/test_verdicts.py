@@ -33,8 +33,8 @@ def told(capsys, *arguments):
     ("value", "unit", "text"),
     [
         (613125.0, "N m", "613 kN m"), (-5.364e5, "N m", "-536 kN m"), (97.1e3, "N", "97.1 kN"),
-        (5.571e5, "N/m^2", "0.557 MPa"), (5.92e-4, "m", "0.592 mm"), (0.3684, "m/s^2", "0.368 m/s^2"),
-        (0.0, "N m", "0 kN m"), (np.nan, "N", "- kN"),
+        (5.571e5, "N/m^2", "0.557 MPa"), (5.92e-4, "m", "0.592 mm"),
+        (0.3684, "m/s^2", "0.368 m/s^2"), (0.0, "N m", "0 kN m"), (np.nan, "N", "- kN"),
     ],
 )  # fmt: skip
 def test_effects_are_told_in_the_units_that_people_read(value, unit, text):
@@ -46,11 +46,11 @@ def test_effects_are_told_in_the_units_that_people_read(value, unit, text):
 
 @pytest.fixture(scope="module")
 def board():
-    roads = [bc.iso8608_profile("A", 30, seed=seed, start=-5) for seed in range(3)]
+    roads = [bc.iso8608_profile("A", 40, seed=seed, start=-15) for seed in range(5)]
     beam, car = bc.li2006.beam(), bc.li2006.car()
     laws = [passive(7e3), bridgehook(beam, car, 1e3, 30e3), skyhook(1e3, 30e3)]
     seen = []
-    found = bc.score(laws, beam, car, roads, 30.0, approach=5, workers=1, dae=False,
+    found = bc.score(laws, beam, car, roads, 30.0, approach=15, workers=1, dae=False,
                      on_simulated=seen.append)  # fmt: skip
     assert np.array_equal(seen[0].values["daf"], found.values["daf"])
     return found
@@ -67,7 +67,7 @@ def test_without_dae_a_board_says_nothing_of_it(board):
 
 
 def test_the_verdict_has_the_moment_in_kn_m_and_its_interval(board, capsys):
-    """The static moment of the quarter-car at mid-span is its weight times a quarter of the span."""
+    """The static moment of a quarter-car at mid-span is its weight times a quarter span."""
     static = 10e3 * 9.81 * 25 / 4
     assert board.static_peak == pytest.approx(static, rel=1e-12)
     best, *_ = board.rows()
@@ -101,10 +101,9 @@ def test_how_the_others_do_is_counted(board, capsys):
     print_verdict(board)
     text = " ".join(capsys.readouterr().out.split())
     (row,) = (row for row in board.rows() if row.strategy == "skyhook")
-    word = "not to be told from" if not row.daf_difference.clear else "clearly"
-    assert re.search(
-        rf"Of the 1 other, (1|skyhook) is {word}.* passive 7 kN s/m on these roads", text
-    )
+    word = "clearly" if row.daf_difference.clear else "not to be told from"
+    assert f"Of the others, skyhook is {word}" in text
+    assert "passive 7 kN s/m on these roads." in text
 
 
 def test_no_ramps_are_simulated_for_a_verdict_alone(capsys, monkeypatch):
@@ -221,7 +220,7 @@ def test_what_is_given_is_not_asked_for_again(capsys):
     ("arguments", "says"),
     [
         ([*DAE, "--section-modulus", "0"], "--section-modulus must be above 0 [m^3]"),
-        ([*DAE, "--section-modulus", "350e6"], "must be in m^3, 1e-05 to 1000, got 3.5e+08: type 0.35"),
+        ([*DAE, "--section-modulus", "350e6"], "in m^3, 1e-05 to 1000, got 3.5e+08: type 0.35"),
         ([*DAE, "--section-modulus", "1", "--effect", "shear@0"], "shear@0 is none: leave it out"),
         ([*ASSESS, "--section-modulus", "nan"], "--section-modulus must be finite"),
         ([*SCORE, "--section-modulus", "-1"], "--section-modulus must be above 0 [m^3]"),

@@ -147,17 +147,17 @@ def _shown(kmh: FloatArray, every: int, critical: int) -> NDArray[np.intp]:
 def _few_speeds(study: Study, amounts: Amounts) -> Table:
     """The short table of one effect: factors, and what they come to."""
     kmh, critical, asked = to_kmh(study.surface.speeds), study.critical, study.asked
-    smooth, dae, _, simulated, error = _names(study)
+    smooth, dae, _, simulated, off = _names(study)
     units = amounts.units if asked.is_factor else []
-    columns = ["speed [km/h]", smooth, dae, simulated, *(f"[{unit}]" for unit in units), error]
+    columns = ["speed [km/h]", smooth, dae, simulated, *(f"[{unit}]" for unit in units), off]
     table = make_table(_title(study), columns)
     for i in _shown(kmh, FEW_KMH, critical):
         row = study.surface.daf_smooth[i], study.dae[i], study.simulated[i]
         size = amounts.cells(row[-1] * asked.crossing.static_peak) if units else []
-        table.add_row(
-            f"{kmh[i]:g}{' <' if i == critical else '  '}", *(f"{value:.3f}" for value in row),
-            *size, f"{round(row[1] - row[2], 3) + 0.0:+.3f}", style="bold" if i == critical else None,
-        )  # fmt: skip
+        error = f"{round(row[1] - row[2], 3) + 0.0:+.3f}"  # no negative zero
+        mark, style = (" <", "bold") if i == critical else ("  ", None)
+        cells = [*(f"{value:.3f}" for value in row), *size, error]
+        table.add_row(f"{kmh[i]:g}{mark}", *cells, style=style)
     return table
 
 

@@ -97,16 +97,16 @@ def verdict(tracks: Sequence[TrackMeasures], segment: float) -> list[str]:
     good = [track for track in known if track.good]
     if len(tracks) == 1 and known:
         (track,) = known
+        of_class = f"ISO 8608 class {track.fit.iso_class}" if track.fit else "too short for a class"
         lines = [
-            f"{track.road.name} is {track.verdict}: its IRI is {track.iri:.2f} m/km, and good roads "
-            f"stay below {GOOD:g}" + (f"; ISO 8608 class {track.fit.iso_class}." if track.fit
-            else "; it is too short for a class.")
-        ]  # fmt: skip
+            f"{track.road.name} is {track.verdict}: its IRI is {track.iri:.2f} m/km, and good "
+            f"roads stay below {GOOD:g}; {of_class}."
+        ]
     elif known:
         worst = max(known, key=lambda track: track.iri)
         lines = [
-            f"{len(good) or 'None'} of {len(tracks)} tracks {'is' if len(good) < 2 else 'are'} good "
-            f"(an IRI below {GOOD:g} m/km); the roughest is {worst.road.name} with "
+            f"{len(good) or 'None'} of {len(tracks)} tracks {'is' if len(good) < 2 else 'are'} "
+            f"good (an IRI below {GOOD:g} m/km); the roughest is {worst.road.name} with "
             f"{worst.iri:.2f} m/km."
         ]
     else:

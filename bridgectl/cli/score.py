@@ -81,7 +81,7 @@ def _score(
     args: argparse.Namespace, asked: Asked, case: tuple[Any, ...], work: dict[str, Any],
     places: list[str],
 ) -> None:  # fmt: skip
-    """Score, and print the verdict as soon as it is known; DAE is found if something asks for it."""
+    """Score, and print the verdict as soon as it is known; DAE is found if it is asked for."""
     from bridgectl.scoring.text import print_full, print_short, print_verdict
 
     modulus = checked_modulus(args, [asked])

@@ -230,8 +230,9 @@ class Scoreboard:
         Returns
         -------
         list of Ranking
-            None without DAE. Of all roads the mean DAE of Eq. (15); of each class that, the mean of second order
-            over the class and its spread, the latter beside the spread of the simulated DAF.
+            Of all roads the mean DAE of Eq. (15); of each class that, the mean of second order
+            over the class and its spread, the latter beside the spread of the simulated DAF. Empty
+            without DAE.
         """
         return list(self._rankings)
 

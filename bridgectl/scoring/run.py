@@ -24,7 +24,7 @@ from bridgectl._progress import shows
 from bridgectl._threads import on_one_thread
 from bridgectl._workers import check_workers, keep_missing
 from bridgectl.dampers.fitted import Dampers, Fitted
-from bridgectl.dampers.loop.damped import RampsAndRoads, ramps_and_roads
+from bridgectl.dampers.loop.damped import ramps_and_roads
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing, require_factor
@@ -247,9 +247,9 @@ def _scoreboard(
         for key in (*SIMULATED, "fourth_power_95")
     }  # fmt: skip
     ramps = [done.get((name, UNIT_RAMPS), {}) for name in names]
-    for key, shape in _ramp_shapes(study).items():
+    for name, shape in _ramp_shapes(study).items():
         unknown = np.full(shape, np.nan)
-        own[key] = np.array([part.get(key, unknown) for part in ramps])
+        own[name] = np.array([part.get(name, unknown) for part in ramps])
     surfaces = {
         each: tuple(
             class_surface(study.crossing, name, study.speeds, study.positions, each,

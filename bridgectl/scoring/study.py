@@ -212,7 +212,7 @@ def parameters(vehicle: Vehicle | QuarterCar) -> dict[str, Any]:
 
 
 def key(device: Fitted, study: Study, piece: Piece) -> str:
-    """Tell dampers, and roads if the piece is of them or their DAE, from others: text, shortened."""
+    """Tell dampers, and roads if the piece is of them or their DAE, from others."""
     told = told_of(device, study.speeds)
     text = json.dumps(told if len(told) > 1 else told[0])
     whole = hashlib.sha256(text.encode())

@@ -73,7 +73,8 @@ def _first_sentence(board: Board, best: Row, own: Row, amounts: Amounts) -> str:
         )
     return (
         f"No strategy is clearly better than {own.strategy}: {best.strategy} has the lowest mean "
-        f"DAF, {best.daf:.3f}, {less:.3f} below it{sure}, but other roads may turn it round; {sizes}."
+        f"DAF, {best.daf:.3f}, {less:.3f} below it{sure}, but other roads may turn it round; "
+        f"{sizes}."
     )
 
 
@@ -96,15 +97,18 @@ def _others(board: Board, rows: Sequence[Row], own: Row) -> str:
     if not others:
         return ""
     clear = [row for row in others if row.daf_difference.clear]
-    better = [row.strategy for row in clear if row.daf_difference.mean < 0]
-    named = ", ".join(better) if len(better) <= NAMED else str(len(better))
-    found = (
-        (len(better), named, f"clearly better than {own.strategy}"),
-        (n := len(clear) - len(better), str(n), f"clearly worse than {own.strategy}"),
-        (n := len(others) - len(clear), str(n), f"not to be told from {own.strategy}"),
-    )
-    told = [f"{who} {'is' if n == 1 else 'are'} {what}" for n, who, what in found if n]
-    return f"Of the {counted(len(others), 'other', 'others')}, {', '.join(told)} on these roads."
+    groups = {
+        "clearly better than": [row for row in clear if row.daf_difference.mean < 0],
+        "clearly worse than": [row for row in clear if row.daf_difference.mean > 0],
+        "not to be told from": [row for row in others if not row.daf_difference.clear],
+    }
+    told: list[str] = []
+    for what, found in groups.items():
+        if found:
+            names = ", ".join(row.strategy for row in found) if len(found) <= NAMED else len(found)
+            whom = "it" if told else own.strategy
+            told.append(f"{names} {'is' if len(found) == 1 else 'are'} {what} {whom}")
+    return f"Of the others, {', '.join(told)} on these roads."
 
 
 def picked(board: Board, rows: Sequence[Row]) -> list[Row]:
