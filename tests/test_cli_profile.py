@@ -36,7 +36,7 @@ def test_the_measured_road_has_its_published_iri_and_is_good(capsys):
         "UTIA road is good: its IRI is 3.34 m/km, and good roads stay below 7; ISO 8608 class"
     )
     assert "The roughest 100 m begin at 778 m: 4.09 m/km." in out
-    row = next(line for line in out.splitlines() if line.startswith("  UTIA road"))
+    row = next(line for line in out.splitlines() if line.startswith("  UTIA road "))
     assert row.split()[2:7] == ["478", "1022", "0.25", "3.335", "good"]
     rows = [line.split() for line in out[out.index("of each 100 m") :].splitlines()]
     assert [row[2] for row in rows if len(row) == 3 and row[0].isdecimal()] == [
@@ -89,7 +89,7 @@ def test_stations_may_be_left_out_with_a_step(capsys, tmp_path):
     path.write_text("\n".join(str(i % 7) for i in range(400)), encoding="utf-8")
     status, out, err = run_command(capsys, "profile", path, "--step", "0.25", "--units", "mm")
     assert (status, err) == (0, "")
-    row = next(line.split() for line in out.splitlines() if line.startswith("  levels"))
+    row = next(line.split() for line in out.splitlines() if line.startswith(" levels "))
     assert row[1:4] == ["0", "99.75", "0.25"]
 
 

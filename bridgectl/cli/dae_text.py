@@ -44,10 +44,12 @@ def print_short(studies: Sequence[Study], section_modulus: float | None = None) 
     """Print the table that comes with the verdict, and what crosses what."""
     console, first = make_console(), studies[0]
     if len(studies) == 1:
-        console.print(_few_speeds(first, amounts_of(first, section_modulus)))
+        table = _few_speeds(first, amounts_of(first, section_modulus))
     else:
-        console.print(_effects_table(studies, section_modulus))
+        table = _effects_table(studies, section_modulus)
     console.print(
+        table,
+        "",
         crossing_in_words(first.surface.beam, first.surface.vehicle),
         f"{first.place}, {first.surface.approach:g} m of approach",
         sep="\n",
@@ -150,7 +152,7 @@ def _few_speeds(study: Study, amounts: Amounts) -> Table:
     smooth, dae, _, simulated, off = _names(study)
     units = amounts.units if asked.is_factor else []
     columns = ["speed [km/h]", smooth, dae, simulated, *(f"[{unit}]" for unit in units), off]
-    table = make_table(_title(study), columns)
+    table = make_table(_title(study), columns, short=True)
     for i in _shown(kmh, FEW_KMH, critical):
         row = study.surface.daf_smooth[i], study.dae[i], study.simulated[i]
         size = amounts.cells(row[-1] * asked.crossing.static_peak) if units else []
@@ -165,7 +167,7 @@ def _effects_table(studies: Sequence[Study], section_modulus: float | None) -> T
     """The short table of several effects, each at its critical speed."""
     factors = any(study.asked.is_factor for study in studies)
     names = ["DAE", "DAF", "static", "peak"] if factors else ["estimate", "peak"]
-    table = make_table("At the critical speeds", ["effect", "km/h", *names], ["effect"])
+    table = make_table("At the critical speeds", ["effect", "km/h", *names], ["effect"], short=True)
     for study in studies:
         at, asked, amounts = study.critical, study.asked, amounts_of(study, section_modulus)
         kmh, value = f"{to_kmh(study.surface.speeds[at]):g}", study.simulated[at]

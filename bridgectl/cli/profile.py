@@ -85,7 +85,7 @@ def _show(args: argparse.Namespace, tracks: Sequence[TrackMeasures]) -> None:
         print_segments(tracks, args.segment)
     elif (more := len(tracks) - FEW_TRACKS) > 0:
         console.print(f"... and {more} more; --full has all")
-    print(next_steps(args).lstrip("\n"))
+    print(next_steps(args))
     given = [] if args.file is None else [args.file]
     given += [] if args.units is None else ["--units", args.units]
     print("\nWhat it does to a bridge:", shlex.join(["bridgectl", "dae", *given]))
@@ -160,7 +160,7 @@ def print_tracks(tracks: Sequence[TrackMeasures], *, full: bool = True) -> None:
     title = "Roughness"
     if full:
         columns, title = [*columns, "G_d [1e-6 m3]", "waviness"], f"{title}; G_d at 0.1 cycles/m"
-    table = make_table(title, columns, ["track", "", "class"])
+    table = make_table(title, columns, ["track", "", "class"], short=not full)
     for track in tracks:
         road, fit = track.road, track.fit
         spectrum = ["-"] * 3

@@ -32,8 +32,6 @@ PASSIVE, CONSTANT, ROLLOUT = "passive", "constant", "rollout"
 """What --strategies calls the vehicle's own damper, the constant dampers together, and the strategy
 that predicts peaks without preview."""
 
-ROBUST_STEP = "what errors do", "--robust"
-
 CAREFUL, SIMPLE = "careful bridgehook", "simple bridgehook"
 """Bridgehook made for errors, and the same without feedback."""
 
@@ -101,13 +99,21 @@ def _score(
     def show() -> None:
         if args.full:
             print_full(board, modulus, places)
-        print(next_steps(args, ROBUST_STEP))
+        print(next_steps(args))
 
-    options.deliver(args, board.plot, lambda: _json(asked, board), show)
+    def results() -> str:
+        stresses = {} if modulus is None else {
+            "mean_stress_N_per_m2": {
+                row.strategy: row.daf * board.static_peak / modulus for row in board.rows()
+            }
+        }  # fmt: skip
+        return _json(asked, board, **stresses)
+
+    options.deliver(args, board.plot, results, show)
 
 
-def _json(asked: Asked, found: bc.Scoreboard | bc.Robustness) -> str:
-    return json.dumps(json.loads(found.to_json()) | {"effect": asked.content}, indent=1)
+def _json(asked: Asked, found: bc.Scoreboard | bc.Robustness, **more: Any) -> str:
+    return json.dumps(json.loads(found.to_json()) | {"effect": asked.content, **more}, indent=1)
 
 
 def _checked_kinds(args: argparse.Namespace) -> list[str] | None:

@@ -55,7 +55,7 @@ def print_assessment(
     if full:
         _print_tables(assessment, cells, return_period)
         return
-    console.print(short_table(assessment, cells, return_period, section_modulus))
+    console.print(short_table(assessment, cells, return_period, section_modulus), "")
     _print_reasons(cells, return_period)
     console.print(_heading(assessment).rstrip())
 

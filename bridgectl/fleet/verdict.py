@@ -155,7 +155,7 @@ def short_table(
     with_tail = any(cell.tail for cell in cells)
     columns = ["effect", "road", "mean\nDAF", "95 %\nDAF", "static\n95 %", "total\n95 %"]
     columns += [f"total,\n{return_period:g} years", "ADR"] if with_tail else []
-    table = make_table("What the bridge has to bear", columns, ["effect", "road"])
+    table = make_table("What the bridge has to bear", columns, ["effect", "road"], short=True)
     for cell in cells:
         modulus = section_modulus if cell.unit == "N m" else None
         amounts = Amounts(cell.unit, modulus)

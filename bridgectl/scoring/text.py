@@ -92,7 +92,7 @@ def print_short(
     """Print the table that comes with the verdict, and what was simulated, with notes."""
     console, rows = make_console(), board.rows()
     few = picked(board, rows)
-    console.print(short_table(board, few, amounts_of(board, section_modulus)))
+    console.print(short_table(board, few, amounts_of(board, section_modulus)), "")
     if board.optimum:
         console.print(_optimum_table(board, few))
     more = len(rows) - len(few)

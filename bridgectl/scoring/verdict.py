@@ -20,7 +20,7 @@ from bridgectl.scoring.rows import Row
 # Scoreboard, whose module imports those of this one.
 Board: TypeAlias = Any
 
-FEW, BEST, NAMED = 8, 4, 3
+FEW, BEST, NAMED = 8, 3, 3
 """Strategies that the short table has all of; of more it has so many of the best, the first and the
 last; and how many a sentence names."""
 
@@ -124,8 +124,7 @@ def short_table(board: Board, rows: Sequence[Row], amounts: Amounts) -> Table:
     columns = ["strategy", "mean\nDAF", *(f"mean\n[{unit}]" for unit in amounts.units), "change",
                f"{100 * CONFIDENCE:g} % interval", "ride\n[m/s2]", "travel\n[mm]"]  # fmt: skip
     title = f"Dynamic amplification (DAF) of the {effect_in_words(board.effect)}"
-    table = make_table(title, columns, ["strategy"])
-    table.collapse_padding = True
+    table = make_table(title, columns, ["strategy"], short=True)
     for row in rows:
         first = row.strategy == board.strategies[0]
         mean, low, high = row.daf_difference

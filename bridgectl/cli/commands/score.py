@@ -37,8 +37,8 @@ what it commands, and 'preview 10 m', which sees the road as far ahead.
 ROAD is delimited text, ERD text or OpenCRG, whose units the file states ('x [m], z [mm]') or
 --units tells; the file options hold for all of them. Without ROAD: a measured road that comes with
 the program. Beside the files there are --random N roads of ISO 8608 class A and N of class B, the
-same every time. The verdict takes some ten seconds on two cores, the DAE (--full, --plot, --json and
---resume) some twenty more; --resume FILE keeps what is done when it is interrupted.
+same every time. The verdict takes some ten seconds on two cores; the DAE, for --full, --plot,
+--json and --resume, some twenty more. --resume FILE keeps what is done when it is interrupted.
 
 examples:
   bridgectl score --plot score.png
