@@ -65,7 +65,8 @@ def assert_interrupted(tmp_path, moment, delay=0.0):
         out, err = process.communicate(timeout=60)
         if process.returncode == 0:  # it was done before
             return
-        assert (process.returncode, out) == (130, "")
+        assert process.returncode == 130
+        assert out.startswith(("No strategy", "Lowest mean DAF")) or not out  # the verdict is early
         assert re.fullmatch(rf"(bridgectl: interrupted: {kept} keeps what is done, .*\n)?", err)
         end = time.monotonic() + 20
         while group(process.pid) and time.monotonic() < end:

@@ -177,7 +177,7 @@ def test_an_interrupted_run_goes_on_where_it_stopped(roads, board, tmp_path, mon
     file, whole, done = tmp_path / "score.jsonl", scoring._part, []
 
     def interrupted(study, damper, first):
-        if len(done) == 4:  # of each strategy there are roads, and their class
+        if len(done) == 7:  # roads of each strategy, then unit ramps and a class of each
             raise KeyboardInterrupt
         done.append(damper.name)
         return whole(study, damper, first)

@@ -97,7 +97,7 @@ def _roads(
     options.check_ramps("--approach", args.approach)
     if not args.roads:
         options.refuse_file_options(args)
-    own = roads.file_roads(args, span, 0.0) if args.roads else []
+    own = roads.file_roads(args, span, 0.0)[0] if args.roads else []
     iso_class, number = getattr(args, "class"), args.random + args.held_out
     random = roads.random_roads(iso_class, number, args.approach, args.approach + span)[iso_class]
     return own + random[: args.random], random[args.random :]
