@@ -1,0 +1,13 @@
+"""The DAF that 95 % of class A roads stay below, at 60 to 120 km/h."""
+
+import numpy as np
+
+import bridgectl as bc
+from bridgectl.road import iso8608_elevations
+
+speeds = np.arange(60, 121, 20) / 3.6
+surface = bc.ramp_surface(bc.li2006.beam(), bc.li2006.car(), speeds, approach=100)
+roads = iso8608_elevations(500, "A", 125, seed=1)
+daf = surface.superposed_daf(roads)
+for speed, smooth, each in zip(speeds, surface.daf_smooth, daf.T, strict=True):
+    print(f"{3.6 * speed:.0f} km/h: smooth {smooth:.3f}, mean {each.mean():.3f}, 95 % {np.quantile(each, 0.95):.3f}")
