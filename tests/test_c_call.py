@@ -1,12 +1,11 @@
 """The C file of a law tells how it is called: those very lines are compiled and called here."""
 
-import ctypes
 import shutil
-import subprocess
 
 import casadi as ca
 import numpy as np
 import pytest
+from helpers import called_in_c
 
 from bridgectl.dampers import SIGNALS, Strategy
 from bridgectl.dampers.loop.batch_law import BatchLaw
@@ -33,19 +32,6 @@ LAWS = {
 }  # fmt: skip
 
 
-def compiled(law: Strategy, folder, *options: str):
-    """The lines at the head of the C file as a function of the signals, in C."""
-    source, library = folder / "caller.c", folder / "caller.so"
-    lines = law.to_c(folder / "law.c").read_text(encoding="utf-8").split("\n\n")[1]
-    arguments = ", ".join(f"double {name}" for name in SIGNALS)
-    source.write_text(f'#include "law.c"\ndouble once({arguments}) {{\n{lines}\nreturn c; }}\n')
-    command = ["cc", "-O0", "-Wall", "-Wno-unused", "-Werror", "-shared", "-fPIC", *options]
-    subprocess.run([*command, source, "-o", library, "-lm"], check=True)
-    function = ctypes.CDLL(str(library)).once
-    function.argtypes, function.restype = [ctypes.c_double] * len(SIGNALS), ctypes.c_double
-    return function
-
-
 @pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize(
@@ -57,7 +43,7 @@ def test_the_lines_at_the_head_of_a_c_file_call_its_law_sample_by_sample(
     name, options, within, tmp_path
 ):
     law, rng = LAWS[name], np.random.default_rng(3)
-    once = compiled(law, tmp_path, *options)
+    once = called_in_c(law, tmp_path, *options)
     batch = BatchLaw(law, [25.0], sample_time=2e-3)
     memory = batch.start(1, 1)
     commands = []

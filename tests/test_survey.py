@@ -24,7 +24,7 @@ def test_stations_of_a_bend_are_ways_along_it_within_2_mm():
     s = np.arange(0.0, 280.0, 0.07)
     road = surveyed_profile(*points(s), 0.03 * s, bridge=ABUTMENT)  # a grade of 3 %
     ways = road.elevation_at(PLACES) / 0.03 - BRIDGE
-    assert PLACES == pytest.approx(ways, abs=2e-3)
+    assert ways == pytest.approx(PLACES, abs=2e-3)
 
 
 def test_a_stop_and_the_noise_of_the_receiver_do_not_stretch_the_road():

@@ -47,13 +47,12 @@ def usage(
     lines += [f"casadi_real ahead[{n_ahead}] = {{0}};  // elevations [m]"] * bool(n_ahead)
     lines += ["casadi_real sample_time = 0.002;"] * (function.n_in() > 2)
     given = ["signals", "gains" if gains else "0", "states" if states else "0", "&sample_time"]
-    given += ["ahead" if n_ahead else "0"]
+    given, found = [*given, "ahead" if n_ahead else "0"][: function.n_in()], ["&c", "next"]
     lines += [
         f"casadi_real c, next[{count + 1}], w[{function.sz_w() + 1}];",
         f"casadi_int iw[{function.sz_iw() + 1}];",
-        f"const casadi_real *arg[{function.sz_arg()}] = "
-        f"{{{', '.join(given[: function.n_in()])}}};",
-        f"casadi_real *res[{function.sz_res()}] = {{{', '.join(['&c', 'next'][: function.n_out()])}}};",
+        f"const casadi_real *arg[{function.sz_arg()}] = {{{', '.join(given)}}};",
+        f"casadi_real *res[{function.sz_res()}] = {{{', '.join(found[: function.n_out()])}}};",
         "damping(arg, res, iw, w, 0);  // c is the damping [N s/m]",
     ]
     lines += [f"for (int i = 0; i < {count}; i++) states[i] = next[i];"] * bool(states)
@@ -61,9 +60,10 @@ def usage(
         f"It measures {', '.join(used) or 'nothing'}; other signals may be 0. In single precision "
         "compile with -Dcasadi_real=float -Dcasadi_int=int.", 90,
     )  # fmt: skip
-    told = "\n".join([f"{title}. At each sample, in a file that includes this one, in SI units, downward:", "", *lines, ""])
+    opening = f"/* {title}. At each sample, in a file that includes this one (SI, down positive):"
+    told = "\n".join([textwrap.fill(opening, 90), "", *lines, "", measured])
     # What ends a comment, in a name, would end this one.
-    return f"/* {told}\n{measured} */\n\n".replace("*/", "* /", told.count("*/"))
+    return told.replace("*/", "* /") + " */\n\n"
 
 
 def _array(kind: str, name: str, values: Iterable[object], names: Iterable[str] = ()) -> str:

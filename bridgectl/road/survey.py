@@ -148,7 +148,7 @@ def _warn_of_gaps(x: FloatArray) -> None:
     if too_coarse(float(gaps.max())):
         longest = int(gaps.argmax())
         warn(
-            f"the road has no point from x = {x[longest]:.4g} to {x[longest + 1]:.4g} m, and counts "
-            f"as straight wherever there is none for {COARSE:g} m: pass denser points, or the "
-            "part of the road that has them"
+            f"the road has no point from x = {x[longest]:.4g} to {x[longest + 1]:.4g} m, and "
+            f"counts as straight wherever there is none for {COARSE:g} m: pass denser points, or "
+            "the part of the road that has them"
         )

@@ -3,15 +3,18 @@
 import casadi as ca
 
 import bridgectl as bc
-from bridgectl.dampers import Strategy
 
-bridge, truck = bc.li2006.beam(), bc.li2006.car()
-road = bc.iso8608_profile("B", 125, seed=1, start=-100)
-law = Strategy(
-    "filtered skyhook",
-    lambda s, g: ca.if_else((s.body_velocity - s.slow) * s.suspension_velocity > 0, g.c_max, g.c_min),
-    c_min=1e3, c_max=30e3, states={"slow": 0.0},
-    update=lambda s, g: {"slow": s.slow + 1.26 * s.sample_time * (s.body_velocity - s.slow)},
-)
-for name, damper in {"passive": None, law.name: law}.items():
-    print(name, bc.daf(bridge, truck, 80/3.6, road, start=-100, damper=damper))
+
+def law(s, g):
+    return ca.if_else((s.body_velocity - s.slow) * s.suspension_velocity > 0, g.c_max, g.c_min)
+
+
+def update(s, g):
+    return {"slow": s.slow + 1.26 * s.sample_time * (s.body_velocity - s.slow)}
+
+
+filtered = bc.dampers.Strategy("filtered", law, 1e3, 30e3, states={"slow": 0.0}, update=update)
+road = bc.iso8608_profile("B", 45, seed=1, start=-20)
+for name, damper in {"passive": None, "filtered skyhook": filtered}.items():
+    daf = bc.daf(bc.li2006.beam(), bc.li2006.car(), 80 / 3.6, road, start=-20, damper=damper)
+    print(f"{name}: DAF {daf[0]:.3f} at 80 km/h")
