@@ -7,6 +7,7 @@ finds is compared with a second route.
 from __future__ import annotations
 
 import importlib.util
+import json
 import re
 import runpy
 import shutil
@@ -93,6 +94,26 @@ def test_a_script_finds_what_another_route_finds(name, tmp_path, capsys):
         CHECKS[name](left, numbers(text), text)
 
 
+NOTEBOOK = ROOT / "notebooks" / "12_cookbook.ipynb"
+RECIPES = [
+    "moment_history_for_fatigue", "drive_by_signals", "lqg_around_the_crossing", "law_with_filter",
+    "envelope_and_hogging", "daf_percentile", "monte_carlo", "export_to_pandas_and_xarray",
+    "animation_to_html", "road_from_gps", "grinding_plan", "damper_in_c",
+]  # fmt: skip
+
+
+def test_the_cookbook_has_its_twelve_recipes_from_the_scripts_in_ten_lines_each():
+    cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
+    code = ["".join(cell["source"]).splitlines() for cell in cells if cell["cell_type"] == "code"]
+    recipes = [lines for lines in code[1:] if "page." not in lines[0]]
+    assert len(recipes) == len(RECIPES)
+    for name, lines in zip(RECIPES, recipes, strict=True):
+        script = SCRIPTS[name].read_text(encoding="utf-8").splitlines()
+        assert set(lines) <= set(script), name
+        assert len([line for line in lines if line.strip()]) <= 10, name
+        assert not set(code[0]).isdisjoint(script), name
+
+
 # Second routes
 
 
@@ -140,8 +161,8 @@ def daf_percentile(left, printed, text):
     for i in (0, 77):
         road = bc.RoadProfile(left.surface.stations, roads[i])
         expected = bc.daf(bc.li2006.beam(), bc.li2006.car(), left.speeds, road, start=-100)
-        assert left.daf[i] == pytest.approx(expected, abs=1e-6)
-    assert (left.daf < left.high).mean(axis=0).tolist() == [0.95] * 4
+        assert left.roads_daf[i] == pytest.approx(expected, abs=1e-6)
+    assert (left.roads_daf < left.high).mean(axis=0).tolist() == [0.95] * 4
     assert np.reshape(printed, (4, 5))[:, 4] == pytest.approx(left.high, abs=6e-4)
 
 
@@ -251,12 +272,11 @@ class ByHand:
 @check
 def law_with_filter(left, printed, text):
     """As `control.input_output_response` has it from sample to sample, with a filter by hand."""
-    beam, truck, speed = bc.li2006.beam(), bc.li2006.car(), 80 / 3.6
     by_hand = SimpleNamespace(strategy=ByHand(), max_force=np.inf, lag=0.0, sample_time=2e-3)
-    found = loop_of_the_control_library(beam, truck, by_hand, speed, left.road)
-    assert printed[2] == pytest.approx(found, abs=6e-4)
-    passive = bc.daf(beam, truck, speed, left.road, start=left.road.x[0])
-    assert printed[0] == pytest.approx(passive[0], abs=6e-4)
+    beam, truck, speed, road = left.case
+    found = loop_of_the_control_library(beam, truck, by_hand, speed, road)
+    passive = bc.daf(*left.case, start=road.x[0], method="control")[0]
+    assert printed == pytest.approx([found, passive], abs=6e-4)
 
 
 @check
