@@ -45,7 +45,7 @@ def module(name: str, path: Path) -> ModuleType:
     return found
 
 
-COOKBOOK = module("cookbook", ROOT / "notebooks" / "pages" / "cookbook.py")
+SURVEY = module("survey", ROOT / "notebooks" / "pages" / "survey.py")
 
 
 @contextmanager
@@ -53,7 +53,7 @@ def run(name: str, folder: Path) -> Iterator[Any]:
     """Run a script in a folder, as its main program, and give what it leaves behind."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        COOKBOOK.survey()
+        SURVEY.survey()
         yield SimpleNamespace(**runpy.run_path(str(SCRIPTS[name]), run_name="__main__"))
 
 
@@ -379,7 +379,7 @@ def own_damper(left, printed, text):
 @check
 def road_from_gps(left, printed, text):
     """The survey's own road, to 0.1 m/km (noise adds, the mean over a step takes off), and DAF."""
-    true = COOKBOOK.survey().resample(0.25, start=-100, stop=25).detrend()
+    true = SURVEY.survey().resample(0.25, start=-100, stop=25).detrend()
     assert left.short.iri() == pytest.approx(true.iri(), abs=0.1)
     daf = bc.daf(bc.li2006.beam(), bc.li2006.car(), 80 / 3.6, true, start=-100)[0]
     assert left.daf == pytest.approx(daf, abs=5e-3)
