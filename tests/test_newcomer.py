@@ -105,7 +105,7 @@ RECIPES = [
 def test_the_cookbook_has_its_twelve_recipes_from_the_scripts_in_ten_lines_each():
     cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
     code = ["".join(cell["source"]).splitlines() for cell in cells if cell["cell_type"] == "code"]
-    recipes = [lines for lines in code[1:] if "page." not in lines[0]]
+    recipes = [lines for lines in code[1:] if len(lines) > 1]  # others draw, or check
     assert len(recipes) == len(RECIPES)
     for name, lines in zip(RECIPES, recipes, strict=True):
         script = SCRIPTS[name].read_text(encoding="utf-8").splitlines()
