@@ -84,6 +84,8 @@ def test_an_effect_of_no_kind_is_an_error(bridge, truck):
         TypeError, match=r"effect must be one of .*, or as Moment.* speeds go with daf"
     ):
         bc.Crossing(bridge, truck, 25.0)
+    with pytest.raises(TypeError, match=r"in daf and peak_effect a list.*list\(effects.values"):
+        bc.daf(bridge, truck, 25.0, effect={"pier": bc.Reaction(0.0)})
     with pytest.raises(ValueError, match="sense must be one of 'largest', 'smallest'"):
         bc.Moment(10.0, sense="hogging")
     with pytest.raises(ValueError, match=r"at must .* got -1"):
