@@ -336,3 +336,15 @@ def test_blocks_of_all_legs_in_the_control_library_are_the_loop(bridge):
     groundhook = dampers.tire_groundhook(SOFT, STIFF).system(25.0, vehicle=vehicle, leg=2)
     assert groundhook.output_labels == ["damper_force_2", "damping_2"]
     assert "tire_force_2" in groundhook.input_labels
+
+
+def test_dampers_that_keep_their_damping_are_the_same_at_many_speeds_as_at_each():
+    """Many speeds go side by side in arrays, which must have the truck with its new dampers."""
+    bridge, truck = bc.li2006.beam(), half_car(np.random.default_rng(5))
+    speeds, new = np.linspace(15.0, 30.0, 5), passive(4e3)
+    over = {"profile": bc.iso8608_profile("A", 125, seed=1, start=-100), "start": -100}
+    for damper in (new, {"front": new}):
+        together = bc.daf(bridge, truck, speeds, damper=damper, **over)
+        each = [bc.daf(bridge, truck, speed, damper=damper, **over)[0] for speed in speeds]
+        assert np.abs(together - each).max() < 1e-6
+        assert np.abs(together - bc.daf(bridge, truck, speeds, **over)).max() > 1e-3
