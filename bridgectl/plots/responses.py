@@ -24,8 +24,13 @@ KINDS = (
     (r"\w+_ddot", "acceleration\n[m/s²]", 1.0),
     (r"\w+_dot", "velocity\n[m/s]", 1.0),
     (r"y\w*", "displacement\n[mm]", 1e3),
+    (r"road_rate", "road rate\n[m/s]", 1.0),
+    (r"road", "road\n[mm]", 1e3),
 )
 """Labels and units of signals by their names, of which the first that fits counts."""
+
+SI = {"kN": "N", "mm": "m", "mrad": "rad", "-": "1"}
+"""Units of the library, of those that are drawn."""
 
 USUAL = ("moment", "tire_force", "yB", "thB")
 """What is drawn if nothing is asked for: of bodies heave and pitch."""
@@ -122,3 +127,9 @@ def _kind(name: str) -> tuple[str, float]:
         if re.fullmatch(rf"{pattern}(_\d+)*", name):
             return label, factor
     return f"{name}\n[SI unit]", 1.0
+
+
+def unit_of(name: str) -> str:
+    """Return the SI unit of a signal."""
+    unit = _kind(name)[0].partition("[")[2].rstrip("]")
+    return SI.get(unit, unit)
