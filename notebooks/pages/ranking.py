@@ -94,9 +94,9 @@ def damping_over_place(knots: Array, dampings: Array, passive: float) -> Figure:
     ax = fig.subplots()
     ax.axvspan(0, 25, color=style.BRIDGE_TINT, zorder=0)
     ax.axhline(passive / 1e3, color=style.GREY, label="passive")
-    x, c = np.r_[-14, knots, 25], np.r_[dampings[0], dampings, dampings[-1]] / 1e3
-    ax.step(x, c, where="post", color=style.BLUE, label="tuned on the class DAE")
-    ax.plot(knots, dampings / 1e3, "o", ms=4, color=style.BLUE)
+    ax.plot(np.r_[-14, knots, 25], np.r_[dampings[0], dampings, dampings[-1]] / 1e3,
+            color=style.BLUE)  # fmt: skip
+    ax.plot(knots, dampings / 1e3, "o-", ms=4, color=style.BLUE, label="tuned on the class DAE")
     ax.set(xlabel="place of the tire, x [m]", ylabel="damping c [kN s/m]", xlim=(-14, 25))
     ax.legend(loc="upper right")
     return fig
@@ -152,7 +152,7 @@ def check(names: Mapping[str, Any]) -> None:
         ("passive: even effects on the approach", effect["passive 7 kN s/m"][before].mean(), 0,
          2e-3),
         ("program: gain of the class DAE", names["best"].fun - names["untuned"], -0.0023, 3e-4),
-        ("program: gain on fresh roads", fresh.mean, -0.0025, 4e-4),
+        ("program: gain on fresh roads", fresh.mean, -0.0028, 4e-4),
     ])  # fmt: skip
     assert all(each.rows()[0].strategy == "bridgehook" for each in boards.values())
     for each in boards.values():
