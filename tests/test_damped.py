@@ -224,7 +224,7 @@ LEAP = bc.RoadProfile([-10.0, -1.0, -0.9, 25.0], [0, 0, -0.08, -0.08], name="80 
 )
 def test_a_tire_that_leaves_the_road_is_told_with_a_damper_too(bridge, truck, damper):
     with pytest.warns(bc.LiftOffWarning, match=r"at 1 of 2 speeds, the slowest 108 km/h") as told:
-        bc.daf(bridge, truck, [1.0, 30.0], LEAP, start=-10, damper=damper)
+        bc.daf(bridge, truck, [2.0, 30.0], LEAP, start=-10, damper=damper)
     assert [warning.filename for warning in told] == [__file__]
     with pytest.warns(bc.LiftOffWarning, match="first with the reference tire at x = -") as told:
         bc.crossing_response(bridge, truck, 30.0, LEAP, start=-10, damper=damper)

@@ -186,6 +186,7 @@ def test_a_crossing_tells_its_further_effects(spans, truck):
 # Static values
 
 
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize("effect", [PIER, bc.Shear(10.0), bc.Deflection(10.0), bc.Reaction(25.0)])
 def test_a_truck_that_creeps_has_the_static_values(spans, truck, effect):
     """Within half a percent of the peak at 0.5 m/s."""
@@ -352,6 +353,7 @@ def test_an_envelope_shows_itself_in_one_line(bridge, truck):
 # Figures
 
 
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize(
     ("quantity", "label", "factor"),
     [("moment", "moment [kN m]", 1e-3), ("deflection", "deflection [mm]", 1e3),

@@ -90,6 +90,7 @@ def test_what_a_bridge_does_not_tell_is_an_error(truck):
 # What the effects are
 
 
+@pytest.mark.quick_cases(3)
 @pytest.mark.parametrize(
     "effect",
     [bc.Shear(10.0), bc.Shear(10.0, sense="smallest"), bc.Reaction(25.0), bc.Moment(10.0),

@@ -58,6 +58,7 @@ def test_a_legs_own_signal_by_its_name_or_number_is_its_own(bridge, vehicle, roa
         )  # fmt: skip
 
     noise = {"velocity_noise": 1e-3, "acceleration_noise": 0.1, "position_deviation": 0.5}
+    noise["sample_time"] = 8e-3
     found = [
         bc.daf(bridge, vehicle, 25.0, road, start=-20, damper={"rear": Damper(law(name), **noise)})
         for name in (signal, f"{signal}_rear", f"{signal}_2")

@@ -16,7 +16,7 @@ UM = 1e-6
 
 @pytest.mark.filterwarnings("ignore:start = -12 m is not forgotten")
 @pytest.mark.parametrize(
-    "seed", [*range(8), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(8, 20))]
+    "seed", [0, 1, 4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3, *range(5, 20)))]
 )
 def test_the_propagator_path_is_the_control_library_path(seed):
     """Moment histories within 1e-6 of M_0 on random beams, vehicles, speeds and roads."""

@@ -201,6 +201,7 @@ def test_a_kalman_filter_knows_the_damping_that_it_commands(damping):
 # The strategies behind them
 
 
+@pytest.mark.quick_cases(3)
 @pytest.mark.parametrize("kind", FILTERS)
 @pytest.mark.parametrize("law", [skyhook(SOFT, STIFF), groundhook(SOFT, STIFF), HOOK])
 def test_a_strategy_behind_sensors_is_the_same_in_batch_as_in_casadi(roads, kind, law):
