@@ -132,6 +132,7 @@ def test_a_tire_that_leaves_the_road_flies_alike(pair):
     assert second == pytest.approx(first, abs=1e-9)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("law", ["skyhook", "clipped LQR", "preset"])
 def test_closed_loops_are_the_same(pair, road, law):
     laws = {
@@ -159,6 +160,7 @@ def test_costate_and_extreme_roads_are_the_same(pair):
     assert worst[1] == pytest.approx(worst[0], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_scores_are_the_same_and_files_tell_the_bridges_apart(pair, tmp_path):
     roads = [bc.iso8608_profile("A", 30, seed=seed, start=-5) for seed in range(2)]
     laws = [dampers.passive(7e3), dampers.skyhook(1e3, 30e3)]

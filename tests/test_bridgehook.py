@@ -307,6 +307,7 @@ def test_a_lag_is_made_up_for_by_what_the_signals_will_be(bridge, truck):
         bridgehook(bridge, truck, SOFT, STIFF, lag=-0.01)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("deviation", [0.3, 1.0])
 def test_of_places_that_are_known_to_a_deviation_the_mean_worth_counts(found, deviation):
     """Against a sum over thousands of places, to 1e-5 of the largest; 0 behind the bridge."""

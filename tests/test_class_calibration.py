@@ -54,6 +54,7 @@ def test_the_mean_is_that_of_each_road_and_its_mirror_image_simulated_alone(
     assert calibrated.standard_error == pytest.approx(expected, abs=1e-4)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("which", ["surface", "hooked"])
 def test_the_mean_is_as_far_from_that_of_many_roads_as_its_standard_error_says(
     request, bridge, truck, which
@@ -118,6 +119,7 @@ def test_roads_have_the_spectrum_that_was_asked_for(surface):
         assert np.abs(found - of_class).max() > 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:start = -5 m is not forgotten")
 def test_surfaces_of_one_way_of_several_tires_and_of_a_preset_damper_have_it_too(bridge, truck):
     one = bc.ramp_surface(bridge, truck, SPEEDS, approach=20)
@@ -205,6 +207,7 @@ def test_each_mistake_is_named(request, which, given, error, message):
         calibrated_class_dae(request.getfixturevalue(which), "A", **given)
 
 
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize(
     "other",
     [

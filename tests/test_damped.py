@@ -72,6 +72,7 @@ def test_a_preset_damper_has_the_best_of_the_passive_ramp_surfaces(bridge, truck
     assert surface.daf_smooth == pytest.approx(alone[:, 3], abs=1e-5)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize(
     "law", [SKYHOOK, Damper(dampers.preset(1e3, 30e3, n_dampings=3), max_force=1e6)]
 )

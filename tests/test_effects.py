@@ -60,6 +60,7 @@ def test_each_effect_is_that_of_the_control_library(effect, seed):
     assert daf == pytest.approx(found.max(), abs=2e-3 * np.ptp(found))
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("method", ["propagator", "control"])
 def test_the_outputs_of_a_response_have_the_same_peaks(bridge, truck, method):
     road, speed = rough_road(5, -10, 25, height=3e-4), 25.0

@@ -102,6 +102,7 @@ def test_a_list_by_the_control_library_agrees(bridge, truck):
     assert slow == pytest.approx(bc.daf(bridge, truck, SPEEDS[:1], **options), abs=1e-6)
 
 
+@pytest.mark.quick_cases(1)
 @every_damper
 def test_a_list_with_a_damper_is_what_single_calls_are(bridge, truck, damper):
     effects = ["moment", bc.Deflection(10.0)]
@@ -138,6 +139,7 @@ def test_a_list_is_checked_as_each_of_its_effects(bridge, truck, effect, message
 # Named outputs
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("method", ["propagator", "control"])
 def test_named_outputs_come_after_the_usual_ones_in_their_units(spans, truck, road, method):
     effects = {"pier": PIER, "at_10_m": bc.Deflection(10.0), "tire": "tire_force"}
@@ -281,6 +283,7 @@ def test_a_bridge_turned_round_has_the_static_envelope_turned_round(haunched, tr
     assert back.static_smallest == pytest.approx(there.static_smallest[::-1], abs=limit)
 
 
+@pytest.mark.slow
 def test_a_symmetric_bridge_and_a_mirrored_truck_have_mirrored_static_envelopes(spans, truck):
     car = replace(truck, sprung_mass=3000.0)
     trains = [bc.convoy(each, [0, 5]) for each in ([truck, car], [car, truck])]

@@ -138,6 +138,7 @@ def test_alone_or_beside_others_in_any_order_a_controller_does_the_same_to_the_b
         assert np.array_equal(one, memory[1:2, :, 7:8])
 
 
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize("name", LAWS)
 def test_alone_or_beside_others_in_any_order_a_crossing_is_the_same(name):
     """Of speeds to the bit; products of matrices round by how many roads there are: 1e-12."""

@@ -47,6 +47,7 @@ def test_round_off_in_the_first_station_changes_no_noise(bridge, truck, start):
     assert other == pytest.approx(one, abs=1e-12)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("seed", range(2))
 def test_the_order_of_a_batch_does_not_matter(bridge, truck, roads, together, seed):
     rng = np.random.default_rng(seed)

@@ -106,6 +106,7 @@ def test_blocks_that_raise_other_moments_are_found_out(coarse, monkeypatch):
     assert peaks[-1] < peaks[0] - 0.02
 
 
+@pytest.mark.slow
 def test_many_crossings_have_the_numbers_that_each_has_alone(bridge, truck, roads):
     given = {"c_min": SOFT, "c_max": STIFF, "start": -1.0, "step": 0.1}
     found = clairvoyant(bridge, truck, [25.0, 30.0], roads[1:], **given, workers=1)

@@ -32,6 +32,7 @@ def best(bridge, half, road):
     return clairvoyant(bridge, half, SPEED, road, SOFT, STIFF, start=START, step=STEP)
 
 
+@pytest.mark.slow
 def test_a_vehicle_of_one_damper_has_the_numbers_of_the_quarter_car(bridge, truck, road):
     given = SPEED, road, SOFT, STIFF
     one, other = (
@@ -96,6 +97,7 @@ def test_no_small_change_of_the_dampings_lowers_the_peak(bridge, half, road, bes
         assert daf > best.daf - 5e-4
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("truck", [half_car, five_axles])
 def test_the_steps_tend_to_the_closed_loop_with_the_square_of_their_length(bridge, road, truck):
     vehicle = truck(np.random.default_rng(4))

@@ -194,6 +194,7 @@ def _until(rate, contact, time, corner, state, touching):
     )  # fmt: skip
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("method", ["propagator", "control"])
 def test_a_tire_that_leaves_the_road_flies_and_lands(bridge, truck, method):
     road, speed = humped_road(0.09), 10.0
@@ -264,6 +265,7 @@ def test_the_first_flight_is_where_the_first_tire_loses_contact():
     assert first_flight(x, np.full((2, 4), 1.0)) is None
 
 
+@pytest.mark.slow
 def test_two_trucks_that_fly_are_simulated_alike_by_both_routes(bridge, truck):
     convoy = bc.convoy([truck, truck], [0.0, 4.0])
     road, speed = humped_road(0.09), 10.0

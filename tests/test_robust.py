@@ -195,6 +195,7 @@ def test_every_way_to_tell_of_a_bridge_is_changed_alike(rigidity, damping):
     assert more == pytest.approx(0.02, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_truck_of_several_legs_has_the_errors_at_each():
     truck = bc.trucks.load("T2")
     law = Strategy("placed", lambda s, g: 1e3 * (s.position + 3), 2e3, 30e3)

@@ -215,6 +215,7 @@ def test_a_strategy_behind_sensors_is_the_same_in_batch_as_in_casadi(roads, kind
     assert BatchLaw(behind, [*SPEEDS]).steps is not None  # on arrays, not case by case
 
 
+@pytest.mark.slow
 def test_a_score_has_a_strategy_ideal_and_as_measured(roads):
     ideal = skyhook(SOFT, STIFF)
     behind = Damper(

@@ -122,6 +122,7 @@ def test_the_command_is_the_force_over_the_velocity_within_bounds():
     assert 0.1 < inside.mean() < 0.9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("truck", "seed"), [(half_car, 4), pytest.param(five_axles, 1, marks=pytest.mark.slow)]
 )
