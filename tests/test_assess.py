@@ -154,6 +154,7 @@ def of_truck(law, bridge, truck):
     return law
 
 
+@pytest.mark.slow
 def test_trucks_meet_as_often_as_they_come_while_one_is_there(bridge):
     fleet = bc.Fleet({"T2A01": 1}, speed=20.0)
     rate = 600.0
@@ -170,6 +171,7 @@ def test_trucks_meet_as_often_as_they_come_while_one_is_there(bridge):
     assert statics[1][meeting].max() > 1.2 * statics[0].max()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:start = ")
 def test_a_meeting_is_the_convoy_of_the_two(bridge, roads):
     fleet = bc.Fleet({"T2A01": 1}, speed=SPEEDS, seed=3)

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import bridgectl as bc
-from bridgectl.fleet import levels
+from bridgectl.fleet import levels, tails
 from bridgectl.fleet.comparison import traffic
 from bridgectl.fleet.words import Words
 
@@ -39,8 +39,9 @@ def table_of(*parts, **told):
 
 @pytest.fixture
 def few_draws(monkeypatch):
-    """Intervals of ratios by few samples drawn again, where no one looks at their ends."""
+    """Intervals and p-values by few samples drawn again, where no one looks at their numbers."""
     monkeypatch.setattr(levels, "N_PAIRS", 50)
+    monkeypatch.setattr(tails, "N_DRAWS", 20)
 
 
 @pytest.fixture(scope="module")

@@ -92,6 +92,7 @@ def test_dafs_of_every_effect_are_the_same(pair, road, recovery, effect):
     assert second == pytest.approx(first, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_the_control_library_finds_the_same(pair, road):
     """Its step control is of the states, whose scale differs: within 1e-7."""
     first, second = both(pair, bc.daf, 25.0, road, start=-20, method="control")

@@ -326,6 +326,7 @@ def test_places_that_are_known_are_taken_as_they_are(found):
     assert blurred(found, 0.0) is found
 
 
+@pytest.mark.slow
 def test_an_unsure_damper_counts_on_its_own_mean_worth_later(bridge, truck, found):
     """What it will yet take off per |v| is of |s| in the mean, which is less than the mean of |s|.
 

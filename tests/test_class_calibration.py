@@ -72,6 +72,7 @@ def test_the_mean_is_as_far_from_that_of_many_roads_as_its_standard_error_says(
     assert np.all(calibrated.standard_error < dafs.std(axis=0) / np.sqrt(50))
 
 
+@pytest.mark.slow
 def test_where_a_tire_leaves_the_road_the_mean_is_that_of_the_crossing_with_flights(
     bridge, truck, surface
 ):
@@ -98,6 +99,7 @@ def test_the_spread_stays_that_of_the_closed_form_and_both_say_what_they_are(hoo
     assert calibrated.percentile(50) == pytest.approx(calibrated.mean)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_numbers_whatever_the_number_of_threads(surface, hooked):
     for found, law in ((surface, None), (hooked, LAWS["bridgehook"])):
         means = []

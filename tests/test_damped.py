@@ -146,6 +146,7 @@ def test_a_road_may_go_on_after_the_bridge(bridge, truck):
 # The preset damper
 
 
+@pytest.mark.slow
 def test_a_preset_damper_takes_the_best_constant_of_every_crossing(bridge, truck):
     x, z = -10 + 0.1 * np.arange(351), iso8608_elevations(4, "B", 35, seed=2)
     constants = np.geomspace(1e3, 30e3, 4)

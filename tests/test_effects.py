@@ -92,6 +92,7 @@ def test_the_static_peak_of_a_convoy_is_found_among_its_places(bridge, truck):
     assert alone < effect.static_peak(bridge, convoy) < 2 * alone
 
 
+@pytest.mark.slow
 def test_an_acceleration_has_no_smooth_road_in_proportion_and_its_ramps_superpose(bridge, truck):
     """A straight ramp of 1 mm at the start: the response is proportional to its height."""
     one = bc.ramp_surface(bridge, truck, 25.0, effect="acceleration", ramp_height=1e-3)

@@ -188,7 +188,7 @@ def test_a_crossing_tells_its_further_effects(spans, truck):
 # Static values
 
 
-@pytest.mark.quick_cases(2)
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("effect", [PIER, bc.Shear(10.0), bc.Deflection(10.0), bc.Reaction(25.0)])
 def test_a_truck_that_creeps_has_the_static_values(spans, truck, effect):
     """Within half a percent of the peak at 0.5 m/s."""
@@ -271,6 +271,7 @@ def test_the_envelope_of_a_truck_that_creeps_is_the_static_one(spans, truck):
     assert found.smallest == pytest.approx(found.static_smallest, abs=limit)
 
 
+@pytest.mark.slow
 def test_a_bridge_turned_round_has_the_static_envelope_turned_round(haunched, truck):
     turned = replace(
         haunched, spans=[30, 20], flexural_rigidity=haunched.flexural_rigidity[::-1],
@@ -318,6 +319,7 @@ def test_a_modal_bridge_has_the_places_that_are_told(spans, truck):
     assert found.smallest == pytest.approx(exact.smallest, rel=0.01)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("damper", [None, FITTED["skyhook"]])
 def test_an_envelope_in_flight_is_that_of_single_places(spans, truck, violent, damper):
     """Within 1e-5 of the largest; the tire leaves the road and lands on either way."""
@@ -356,7 +358,7 @@ def test_an_envelope_shows_itself_in_one_line(bridge, truck):
 # Figures
 
 
-@pytest.mark.quick_cases(2)
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize(
     ("quantity", "label", "factor"),
     [("moment", "moment [kN m]", 1e-3), ("deflection", "deflection [mm]", 1e3),

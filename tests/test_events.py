@@ -53,6 +53,7 @@ def test_a_law_with_lift_off_or_a_force_limit_is_its_fine_integration(seed, name
     assert found.daf[0, 0] == pytest.approx(fine.peak, abs=2e-5)
 
 
+@pytest.mark.slow
 def test_a_force_limit_flips_no_command(bridge, truck):
     """The paper's truck, skyhook limited to 2 kN, class B, 25 m/s: 500 commands, all the same."""
     road = bc.iso8608_profile("B", 25, seed=5, start=0)

@@ -169,6 +169,7 @@ def test_tire_forces_are_those_of_single_crossings_of_narrow_cells(bridge, monke
     assert found == pytest.approx(single, abs=3e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:the road was measured", "ignore:vehicle.*the road was measured")
 def test_the_control_library_finds_the_same(bridge):
     vehicles, speeds, roads = fleet(8, 2, [two_axle])

@@ -84,6 +84,7 @@ def test_two_processes_give_the_scores_of_one(bridge, truck, roads):
         assert two.values[name] == pytest.approx(values, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_roads_speeds_and_seeds_have_noise_of_their_own(bridge, truck):
     """On roads that differ by a tenth of a millimetre far ahead, commands differ at once."""
     bump, between = (np.where(np.abs(X - place) < 0.05, 1e-4, 0.0) for place in (20, 20.4))

@@ -138,6 +138,7 @@ def test_the_descent_leaves_a_poor_optimum_that_the_solver_stays_at(bridge, truc
     assert again == pytest.approx(best.daf, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_tires_that_leave_the_road_are_counted(bridge, truck):
     kerb = bc.RoadProfile([-10, -1, -0.9, 25], [0, 0, -0.08, -0.08])
     level = bc.RoadProfile([-10, 25], [0, 0])

@@ -93,6 +93,7 @@ def test_a_crossing_with_an_error_of_position_is_the_same_by_every_route(bridge,
     assert board.values["daf"][1, 0] == pytest.approx(together[:, 4], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_every_ramp_of_a_surface_has_an_error_of_its_own(bridge, truck):
     damper = Damper(SWITCHED, position_deviation=1.0)
     surface = bc.ramp_surface(

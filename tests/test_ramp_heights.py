@@ -35,6 +35,7 @@ def test_a_linear_daf_is_that_of_the_control_library(bridge, truck):
         assert np.interp(drop, at.heights, at.daf) == pytest.approx(expected, abs=1e-4)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("name", ["passive", "bridgehook", "PDD"])
 def test_every_daf_is_that_of_the_road_of_one_ramp(bridge, truck, found, name):
     """Simulated alone, within 1e-4 of the static moment."""

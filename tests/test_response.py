@@ -16,7 +16,8 @@ UM = 1e-6
 
 @pytest.mark.filterwarnings("ignore:start = -12 m is not forgotten")
 @pytest.mark.parametrize(
-    "seed", [0, 1, 4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3, *range(5, 20)))]
+    "seed",
+    [0, 1, 4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3, *range(5, 20)))],
 )
 def test_the_propagator_path_is_the_control_library_path(seed):
     """Moment histories within 1e-6 of M_0 on random beams, vehicles, speeds and roads."""
@@ -287,6 +288,7 @@ def test_a_tire_in_contact_draws_no_warning_and_never_pulls(bridge, truck, recwa
     assert not recwarn.list
 
 
+@pytest.mark.slow
 def test_daf_tells_at_which_speeds_a_tire_leaves_the_road(bridge, truck):
     road = humped_road(0.06)
     speeds = np.array([8.0, 25.0])

@@ -272,6 +272,7 @@ def test_one_road_has_no_interval_and_one_strategy_is_one():
     assert "±" not in str(told).split("Change of the mean")[0]
 
 
+@pytest.mark.slow
 def test_the_figure_draws_every_change_above_and_below_a_zero_line(found):
     figure = found.plot()
     panels = [ax for ax in figure.axes if ax.get_visible()]

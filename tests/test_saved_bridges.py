@@ -110,6 +110,7 @@ def test_an_effect_at_another_place_is_refused(effect, tmp_path):
         load_surface(file, effect=dataclasses.replace(effect, at=at))
 
 
+@pytest.mark.slow
 def test_a_bridge_of_another_kind_or_of_other_numbers_is_refused(tmp_path):
     for name, bridge in BRIDGES.items():
         made(bridge).save(tmp_path / f"{name}.npz")
