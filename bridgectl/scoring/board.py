@@ -15,9 +15,12 @@ from numpy.typing import NDArray
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._labelled import Labelled
-from bridgectl._units import to_kmh
+from bridgectl._units import in_name, to_kmh
 from bridgectl._version import __version__
 from bridgectl.model.bridge import BridgeModel, described
+from bridgectl.model.bridge_effects import Moment
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.scoring.agreement import (
@@ -78,6 +81,8 @@ class Scoreboard:
         road known: see `bridgectl.scoring.rows.MEASURES`; empty if it was not asked for. And
         'daf_bound', which no damping that is held 10 ms goes below, if control begins at the bridge
         (approach 0), else NaN: see `bridgectl.dampers.damper_bound`.
+    effect : Effect
+        The load effect that DAF and DAE are of.
 
     Examples
     --------
@@ -105,6 +110,12 @@ class Scoreboard:
     road_classes: tuple[str, ...] = ()
     surfaces: Mapping[str, tuple[RampSurface, ...]] = field(default_factory=dict, repr=False)
     optimum: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
+    effect: Effect = field(default_factory=Moment, repr=False)
+
+    @property
+    def static_peak(self) -> float:
+        """Largest effect, or smallest, as the vehicle creeps across [unit of the effect]."""
+        return Crossing(self.beam, self.vehicle, self.effect).static_peak
 
     def __repr__(self) -> str:
         kmh = to_kmh(self.speeds)
@@ -222,7 +233,8 @@ class Scoreboard:
         -------
         list of Ranking
             Of all roads the mean DAE of Eq. (15); of each class that, the mean of second order
-            over the class and its spread, the latter beside the spread of the simulated DAF.
+            over the class and its spread, the latter beside the spread of the simulated DAF. Empty
+            without DAE.
         """
         return list(self._rankings)
 
@@ -230,6 +242,8 @@ class Scoreboard:
     def _rankings(self) -> list[Ranking]:
         """What text, figure and JSON ask for: each draws the roads again and again."""
         daf, dae = self.values["daf"], self.values["dae"]
+        if np.isnan(dae).all():
+            return []
         found = [self._ranking(EQ_15, "all", dae, daf)]
         for name in self.surfaces:
             of_class = self._roads_of(name)
@@ -314,9 +328,11 @@ class Scoreboard:
 
     def to_json(self) -> str:
         """Return all of it as JSON, with units in the names."""
+        static = self.static_peak
         rows = [
             {
                 **row._asdict(),
+                f"peak_{in_name(self.effect.unit)}": row.daf * static,
                 "daf_difference": row.daf_difference._asdict(),
                 "gap_closed": row.gap_closed._asdict(),
             }
@@ -331,6 +347,7 @@ class Scoreboard:
             "roads": self.roads,
             "speed_m_per_s": self.speeds.tolist(),
             "approach_m": self.approach,
+            f"static_peak_{in_name(self.effect.unit)}": static,
             "measures": MEASURES,
             "summary": rows,
             "values": {name: values.tolist() for name, values in self.values.items()},

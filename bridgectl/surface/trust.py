@@ -66,11 +66,20 @@ class DaeTrust:
         return np.asarray(self.peak_rise > self.tolerance)
 
     @property
+    def tall(self) -> NDArray[np.bool_]:
+        """Which roads have a ramp taller than the paper's."""
+        return np.asarray(self.tallest_ramp > TALLEST)
+
+    @property
+    def rough(self) -> NDArray[np.bool_]:
+        """Which roads are not good."""
+        return np.asarray(self.iri >= GOOD)
+
+    @property
     def trusted(self) -> NDArray[np.bool_]:
         """Where nothing speaks against the DAE."""
-        tall = np.asarray(self.tallest_ramp > TALLEST)[..., np.newaxis]
-        rough = np.asarray(self.iri >= GOOD)[..., np.newaxis]
-        return ~(self.peak_moves | self.lift_off | tall | rough)
+        of_road = (self.tall | self.rough)[..., np.newaxis]
+        return ~(self.peak_moves | self.lift_off | of_road)
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return all that counts as a table, one row for each speed [m/s], and road if of many.
