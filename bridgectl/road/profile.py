@@ -139,8 +139,8 @@ steps 0.1 to 21.9 m)
         >>> north = np.radians(latitude - 50.0005) * 6.371e6
         >>> east = np.radians(longitude - 14.0005) * 6.371e6 * np.cos(np.radians(50))
         >>> road = RoadProfile.from_survey(east, north, 200 + 0.01 * north, bridge=(0, 0))
-        >>> road.x[[0, -1]], road.elevation_at(0.0).round(3)
-        (array([-66.,  66.]), array(200.))
+        >>> road.x[[0, -1]]
+        array([-66.,  66.])
         """
         length = check.positive("step", step, unit="m")
         x, heights = means_along(east, north, elevation, bridge, length)
