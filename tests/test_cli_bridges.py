@@ -394,6 +394,7 @@ def test_the_docstring_has_every_key():
 # Effects
 
 
+@pytest.mark.quick_cases(4)
 @pytest.mark.parametrize(
     ("text", "effect"),
     [

@@ -106,6 +106,7 @@ def test_the_bounds_lag_and_constants_reach_the_study(capsys, monkeypatch):
     assert all(road.x[-1] == pytest.approx(10.5) for road in seen["roads"])
 
 
+@pytest.mark.slow
 def test_rollouts_are_named_with_their_preview(capsys):
     """Over one road with samples 10 ms apart, quicker than the 6 ms that W_k asks for."""
     options = ["--strategies", "rollout, Preview  2.5 m", "--random", "0", "--sample-time", "0.01"]

@@ -333,6 +333,7 @@ What is below the tolerance: a legend of two thin lines, the dotted line of a sm
 """
 
 
+@pytest.mark.quick_cases(4)
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_figure_looks_as_it_did_and_would_not_with_a_part_less(name):
     figure = drawn(name)

@@ -207,6 +207,7 @@ def test_a_file_serves_more_strategies_and_changed_ones_are_done_again(roads, tm
         assert np.array_equal(found.values["daf"], fresh.values["daf"])
 
 
+@pytest.mark.slow
 def test_a_strategy_that_chooses_its_gains_otherwise_is_done_again(roads, tmp_path):
     file = tmp_path / "score.jsonl"
     for n_dampings in (2, 5):
@@ -233,6 +234,7 @@ def test_other_roads_of_a_file_are_done_again(roads, tmp_path):
     assert np.array_equal(found.values["daf"], scored(roads[1:2], STRATEGIES[:1]).values["daf"])
 
 
+@pytest.mark.slow
 def test_many_roads_are_scored_in_parts(roads, board, monkeypatch):
     monkeypatch.setattr("bridgectl.scoring.study.ROADS_AT_ONCE", 2)
     found = scored(roads, STRATEGIES[:2])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -70,9 +71,8 @@ def _strategy(
     """The strategy that is asked for, with the gains where the search starts."""
     from bridgectl.dampers import library, program
 
-    known = {each.name.lower(): each
-             for each in library(beam, vehicle, c_min, c_max, section=args.section)[1:]
-             if each.gains and each.kept is None}  # fmt: skip
+    strategies = library(beam, vehicle, c_min, c_max, section=args.section)[1:]
+    known = {each.name.lower(): each for each in tunable(strategies)}
     name = None if args.strategy is None else " ".join(args.strategy.split()).lower()
     if name == PROGRAM:
         places = np.linspace(-min(args.approach, REACH), beam.length, args.places)
@@ -83,6 +83,11 @@ def _strategy(
         told = "--strategy is needed" if name is None else f"--strategy: there is no {name!r}"
         raise ValueError(f"{told}; there are: {listed}")
     return known[name]
+
+
+def tunable(strategies: Iterable[Strategy]) -> list[Strategy]:
+    """Those with gains to tune, which no crossing sets itself."""
+    return [each for each in strategies if each.gains and each.kept is None]
 
 
 def _roads(

@@ -385,14 +385,18 @@ def _seed(seed: int) -> int:
     return _checks.integer("seed", seed, at_least=0)
 
 
+def shipped() -> list[str]:
+    """Return the names of the fleets that ship."""
+    return sorted(path.stem for path in DATA.glob("*.toml") if path.stem != "axles")
+
+
 def _fleet_path(name: Any) -> Path:
     text = _checks.path("name", name, "monte_carlo")
     if text.lower().endswith(".toml"):
         return Path(text)
-    ships = sorted(path.stem for path in DATA.glob("*.toml") if path.stem != "axles")
-    if text in ships:
+    if text in shipped():
         return DATA / f"{text}.toml"
     raise ValueError(
-        f"there is no fleet {text!r}: type {' or '.join(ships)}, or the name of a file that ends "
-        "in .toml"
+        f"there is no fleet {text!r}: type {' or '.join(shipped())}, or the name of a file "
+        "that ends in .toml"
     )
