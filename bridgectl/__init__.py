@@ -44,14 +44,21 @@ from bridgectl._gone import no_attribute
 from bridgectl._version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from bridgectl import dampers as dampers
+    from bridgectl import extremes as extremes
+    from bridgectl import measures as measures
+    from bridgectl import plots as plots
+    from bridgectl import road as road
     from bridgectl._plausible import PlausibilityWarning
     from bridgectl.animation import crossing_animation
+    from bridgectl.dampers import passive_theory as passive_theory
     from bridgectl.envelopes import envelope
     from bridgectl.fleet.assess import assess
     from bridgectl.fleet.assessment import Assessment
     from bridgectl.fleet.fleet import Fleet
     from bridgectl.linear.lift_off import LiftOffWarning
     from bridgectl.linear.prediction import prediction_matrices
+    from bridgectl.model import trucks as trucks
     from bridgectl.model.beam import Beam
     from bridgectl.model.bridge_effects import (
         BridgeAcceleration,
@@ -202,15 +209,17 @@ def __dir__() -> list[str]:
     return sorted({*__all__, *_ROOMS, "__version__"})
 
 
-def __getattr__(name: str) -> Any:
-    """Load what is offered when it is first used."""
-    home = next((home for home, names in _HOMES.items() if name in names), None)
-    if home is not None:
-        globals()[name] = found = getattr(import_module(f"bridgectl.{home}"), name)
-        return found
-    if where := (_ROOMS | _MOVED).get(name):
-        globals()[name] = room = import_module(f"bridgectl.{where}")
-        return room
-    if not name.startswith("__") and find_spec(f"bridgectl.{name}"):
-        return import_module(f"bridgectl.{name}")
-    raise no_attribute("bridgectl", name)
+if not TYPE_CHECKING:  # which knows the names above, and no others
+
+    def __getattr__(name: str) -> Any:
+        """Load what is offered when it is first used."""
+        home = next((home for home, names in _HOMES.items() if name in names), None)
+        if home is not None:
+            globals()[name] = found = getattr(import_module(f"bridgectl.{home}"), name)
+            return found
+        if where := (_ROOMS | _MOVED).get(name):
+            globals()[name] = room = import_module(f"bridgectl.{where}")
+            return room
+        if not name.startswith("__") and find_spec(f"bridgectl.{name}"):
+            return import_module(f"bridgectl.{name}")
+        raise no_attribute("bridgectl", name)

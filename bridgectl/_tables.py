@@ -31,11 +31,16 @@ def make_console() -> Console:
     return console if console.is_terminal else _Console(**plain, width=WIDTH)
 
 
-def make_table(title: str, columns: Sequence[str], words: Sequence[str] = ()) -> Table:
-    """Print a title and return a table of numbers, but for the columns of `words`."""
+def make_table(
+    title: str, columns: Sequence[str], words: Sequence[str] = (), *, short: bool = False
+) -> Table:
+    """Print a title and return a table of numbers, but for the columns of `words`.
+
+    A short one, beside a verdict, takes little room.
+    """
     # The title apart, so that it does not wrap in a narrow table.
     make_console().print(Text(title, style="bold"), soft_wrap=True)
-    table = Table(box=box.SIMPLE_HEAD)
+    table = Table(box=box.SIMPLE_HEAD, collapse_padding=short, show_edge=not short)
     for name in columns:
         # A Text, since [m] in plain text would be read as markup.
         justify: Any = "left" if name in words else "right"

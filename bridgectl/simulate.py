@@ -423,4 +423,5 @@ def _peaks(
 
             runs = [run._replace(crossing=crossing) for crossing in crossings]
             return np.array([damped_dafs(each, left, speeds) for each in runs])
+        run = run._replace(crossing=crossings[0])
     return dafs_at_speeds(run, crossings, speeds, method, progress)

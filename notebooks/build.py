@@ -91,11 +91,10 @@ def execute(notebook: NotebookNode) -> NotebookNode:
         nbformat.v4.new_code_cell(code, id=f"a{i}") for i, (code, _) in enumerate(solved)
     ]
     run(notebook)
-    wrong = [
-        line
-        for cell, (_, said) in zip(notebook.cells[page:], solved, strict=True)
-        for line in differences(said, "\n".join(texts(cell)))
-    ]
+    wrong = []
+    for cell, (_, said) in zip(notebook.cells[page:], solved, strict=True):
+        cell.outputs = joined(cell.outputs)
+        wrong += differences(said, "\n".join(texts(cell)))
     del notebook.cells[page:]
     if wrong:
         raise RefusedError("\n".join(f"an answer's {line}" for line in wrong))
@@ -113,7 +112,7 @@ def answers(notebook: NotebookNode) -> list[tuple[str, str]]:
 
 
 def run(notebook: NotebookNode) -> None:
-    """Run all cells of a notebook in a clean kernel, in place."""
+    """Run all cells of a notebook in a clean kernel, in place, and join what each printed."""
     # Without other places to look in, the only kernel is that of this interpreter.
     manager = AsyncKernelManager(kernel_spec_manager=KernelSpecManager(kernel_dirs=[]))
     with tempfile.TemporaryDirectory() as folder:
@@ -132,6 +131,9 @@ def run(notebook: NotebookNode) -> None:
             cleanup_kc=True,  # so that processes the kernel has started end with it
             env=os.environ | {"IPYTHONDIR": folder, "PYTHONPATH": path.rstrip(os.pathsep)},
         )
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            cell.outputs = joined(cell.outputs)
 
 
 def clean(notebook: NotebookNode) -> NotebookNode:
@@ -139,8 +141,6 @@ def clean(notebook: NotebookNode) -> NotebookNode:
     notebook.metadata = nbformat.from_dict(METADATA)
     for cell in notebook.cells:
         cell.metadata = NotebookNode({k: v for k, v in cell.metadata.items() if k == "tags"})
-        if cell.cell_type == "code":
-            cell.outputs = joined(cell.outputs)
         for output in cell.get("outputs", []):
             if "metadata" in output:
                 output.metadata = NotebookNode()

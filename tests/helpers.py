@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import ctypes
 import dataclasses
+import subprocess
+from collections.abc import Callable
 from itertools import pairwise
+from pathlib import Path
 
 import control as ct
 import numpy as np
 
 import bridgectl as bc
 from bridgectl.cli.main import main
+from bridgectl.dampers import SIGNALS, Strategy
 from bridgectl.dampers.actuator import bare_vehicle
 from bridgectl.dampers.block import CROSSING_OUTPUTS
 
@@ -109,7 +114,7 @@ def loop_of_the_control_library(beam, car, damper, speed, road):
         return crossing.outputs(speed * t, states, tires[np.newaxis], forces)
 
     law, start, end = law_of_crossing(damper, beam, car, speed, road), road.x[0], beam.length
-    samples = start / speed + damper.sample_time * np.arange(1000)
+    samples = start / speed + damper.sample_time * np.arange(2000)
     kinks = np.unique(np.concatenate([road.x, [0.0, end / 2, end]])) / speed
     state, damping, peak = np.zeros(len(crossing.state_labels)), 0.0, 0.0
     last_force = None
@@ -144,3 +149,16 @@ def loop_of_the_control_library(beam, car, damper, speed, road):
                 peak = max(peak, moment.max(), curve(np.linspace(begin, stop, 200)).max())
             state, damping = response.states[:, -1], float(c[-1])
     return peak
+
+
+def called_in_c(law: Strategy, folder: Path, *options: str) -> Callable[..., float]:
+    """Compile the lines at the head of a law's C file to a function of all signals."""
+    source, library = folder / "caller.c", folder / "caller.so"
+    lines = law.to_c(folder / "law.c").read_text(encoding="utf-8").split("\n\n")[1]
+    arguments = ", ".join(f"double {name}" for name in SIGNALS)
+    source.write_text(f'#include "law.c"\ndouble once({arguments}) {{\n{lines}\nreturn c; }}\n')
+    command = ["cc", "-O0", "-Wall", "-Wno-unused", "-Werror", "-shared", "-fPIC", *options]
+    subprocess.run([*command, source, "-o", library, "-lm"], check=True)
+    function = ctypes.CDLL(str(library)).once
+    function.argtypes, function.restype = [ctypes.c_double] * len(SIGNALS), ctypes.c_double
+    return function

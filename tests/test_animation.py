@@ -222,6 +222,7 @@ def test_what_tells_no_bodies_has_a_box_at_each_tire_and_every_tire_its_curve(br
         assert force * loads[tire] == pytest.approx(found[-1], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_several_spans_are_drawn_with_their_supports_and_a_moment_over_the_pier(truck):
     bridge = bc.Bridge([20, 30], 18358, 4.865e10)
     pier = bc.Moment(20.0, sense="smallest")

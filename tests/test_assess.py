@@ -154,6 +154,7 @@ def of_truck(law, bridge, truck):
     return law
 
 
+@pytest.mark.slow
 def test_trucks_meet_as_often_as_they_come_while_one_is_there(bridge):
     fleet = bc.Fleet({"T2A01": 1}, speed=20.0)
     rate = 600.0
@@ -170,6 +171,7 @@ def test_trucks_meet_as_often_as_they_come_while_one_is_there(bridge):
     assert statics[1][meeting].max() > 1.2 * statics[0].max()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:start = ")
 def test_a_meeting_is_the_convoy_of_the_two(bridge, roads):
     fleet = bc.Fleet({"T2A01": 1}, speed=SPEEDS, seed=3)
@@ -261,7 +263,7 @@ found.to_csv(sys.argv[2])
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are killed as POSIX has it")
-def test_a_study_killed_20_times_ends_as_if_it_never_was(tmp_path):
+def test_a_study_killed_10_times_ends_as_if_it_never_was(tmp_path):
     def start(name):
         command = [sys.executable, "-c", STUDY, str(tmp_path / f"{name}.jsonl"),
                    str(tmp_path / f"{name}.csv")]  # fmt: skip
@@ -270,7 +272,7 @@ def test_a_study_killed_20_times_ends_as_if_it_never_was(tmp_path):
     assert start("whole").wait() == 0
     kills = 0
     rng = np.random.default_rng(1)
-    while kills < 20:
+    while kills < 10:
         process = start("killed")
         time.sleep(rng.uniform(1.2, 2.0))
         if process.poll() is None:

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import bridgectl as bc
-from bridgectl.fleet import levels
+from bridgectl.fleet import levels, tails
 from bridgectl.fleet.comparison import traffic
 from bridgectl.fleet.words import Words
 
@@ -39,8 +39,9 @@ def table_of(*parts, **told):
 
 @pytest.fixture
 def few_draws(monkeypatch):
-    """Intervals of ratios by few samples drawn again, where no one looks at their ends."""
+    """Intervals and p-values by few samples drawn again, where no one looks at their numbers."""
     monkeypatch.setattr(levels, "N_PAIRS", 50)
+    monkeypatch.setattr(tails, "N_DRAWS", 20)
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +90,7 @@ def test_identical_trucks_on_a_rough_road_have_a_ratio_with_an_interval(method):
     assert found.low < found.value < found.high
 
 
+@pytest.mark.usefixtures("few_draws")
 @pytest.mark.parametrize("method", ["block maxima", "peaks over threshold"])
 def test_the_ratio_of_a_daf_that_is_the_same_for_all_is_that_daf(traffic_of_trucks, method):
     static, _ = traffic_of_trucks
@@ -397,6 +399,7 @@ FIGURES = {
 }
 
 
+@pytest.mark.usefixtures("few_draws")
 @pytest.mark.parametrize("options", FIGURES.values(), ids=FIGURES)
 def test_the_figure_has_units_and_draws_what_the_methods_tell(two_roads, options):
     figure = two_roads.plot(**options)

@@ -92,6 +92,7 @@ def test_dafs_of_every_effect_are_the_same(pair, road, recovery, effect):
     assert second == pytest.approx(first, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_the_control_library_finds_the_same(pair, road):
     """Its step control is of the states, whose scale differs: within 1e-7."""
     first, second = both(pair, bc.daf, 25.0, road, start=-20, method="control")
@@ -132,6 +133,7 @@ def test_a_tire_that_leaves_the_road_flies_alike(pair):
     assert second == pytest.approx(first, abs=1e-9)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("law", ["skyhook", "clipped LQR", "preset"])
 def test_closed_loops_are_the_same(pair, road, law):
     laws = {
@@ -159,6 +161,7 @@ def test_costate_and_extreme_roads_are_the_same(pair):
     assert worst[1] == pytest.approx(worst[0], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_scores_are_the_same_and_files_tell_the_bridges_apart(pair, tmp_path):
     roads = [bc.iso8608_profile("A", 30, seed=seed, start=-5) for seed in range(2)]
     laws = [dampers.passive(7e3), dampers.skyhook(1e3, 30e3)]

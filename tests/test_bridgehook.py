@@ -307,6 +307,7 @@ def test_a_lag_is_made_up_for_by_what_the_signals_will_be(bridge, truck):
         bridgehook(bridge, truck, SOFT, STIFF, lag=-0.01)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("deviation", [0.3, 1.0])
 def test_of_places_that_are_known_to_a_deviation_the_mean_worth_counts(found, deviation):
     """Against a sum over thousands of places, to 1e-5 of the largest; 0 behind the bridge."""
@@ -325,6 +326,7 @@ def test_places_that_are_known_are_taken_as_they_are(found):
     assert blurred(found, 0.0) is found
 
 
+@pytest.mark.slow
 def test_an_unsure_damper_counts_on_its_own_mean_worth_later(bridge, truck, found):
     """What it will yet take off per |v| is of |s| in the mean, which is less than the mean of |s|.
 

@@ -54,6 +54,7 @@ def test_the_mean_is_that_of_each_road_and_its_mirror_image_simulated_alone(
     assert calibrated.standard_error == pytest.approx(expected, abs=1e-4)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("which", ["surface", "hooked"])
 def test_the_mean_is_as_far_from_that_of_many_roads_as_its_standard_error_says(
     request, bridge, truck, which
@@ -71,6 +72,7 @@ def test_the_mean_is_as_far_from_that_of_many_roads_as_its_standard_error_says(
     assert np.all(calibrated.standard_error < dafs.std(axis=0) / np.sqrt(50))
 
 
+@pytest.mark.slow
 def test_where_a_tire_leaves_the_road_the_mean_is_that_of_the_crossing_with_flights(
     bridge, truck, surface
 ):
@@ -97,6 +99,7 @@ def test_the_spread_stays_that_of_the_closed_form_and_both_say_what_they_are(hoo
     assert calibrated.percentile(50) == pytest.approx(calibrated.mean)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_numbers_whatever_the_number_of_threads(surface, hooked):
     for found, law in ((surface, None), (hooked, LAWS["bridgehook"])):
         means = []
@@ -118,6 +121,7 @@ def test_roads_have_the_spectrum_that_was_asked_for(surface):
         assert np.abs(found - of_class).max() > 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:start = -5 m is not forgotten")
 def test_surfaces_of_one_way_of_several_tires_and_of_a_preset_damper_have_it_too(bridge, truck):
     one = bc.ramp_surface(bridge, truck, SPEEDS, approach=20)
@@ -205,6 +209,7 @@ def test_each_mistake_is_named(request, which, given, error, message):
         calibrated_class_dae(request.getfixturevalue(which), "A", **given)
 
 
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize(
     "other",
     [

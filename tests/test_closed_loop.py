@@ -108,7 +108,7 @@ def test_every_law_is_the_loop_of_the_control_library(name, seed):
 @pytest.mark.parametrize("name", LAWS)
 def test_a_damper_only_takes_energy_out(bridge, truck, name):
     x = -20 + 0.1 * np.arange(451)
-    damper = Damper(LAWS[name], lag=0.01, velocity_noise=0.02)
+    damper = Damper(LAWS[name], sample_time=5e-3, lag=0.01, velocity_noise=0.02)
     found = simulate_loop(
         bridge, truck, damper, [20.0, 30.0], x, iso8608_elevations(3, "B", 45, seed=1)
     )

@@ -98,6 +98,7 @@ def constant_force_history(alpha, n_modes, x):
     return exact, modal
 
 
+@pytest.mark.quick_cases(3)
 @pytest.mark.parametrize("i", range(8))
 def test_a_constant_force_gives_frybas_closed_form(cases, i):
     """Moments within 1e-6 of the closed form with the same modes, 2e-4 of the table.

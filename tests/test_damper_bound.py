@@ -70,6 +70,7 @@ def test_no_damping_of_two_dampers_is_below(bridge):
     assert found.best.damping[:, 0] == pytest.approx(half.damper_dampings)
 
 
+@pytest.mark.slow
 @settings(max_examples=8, deadline=None)
 @given(seed=st.integers(0, 10**6), roughness=st.sampled_from("AC"), dampings=st.integers(0, 10**6))
 def test_no_random_damping_on_a_random_road_is_below(bridge, truck, seed, roughness, dampings):

@@ -22,9 +22,17 @@ from bridgectl.scoring.agreement import paired
 SMALL = ("validate", "--dampers", "--spans", "9", "--speeds", "110", "--pairs", "2")
 
 
+def late_dampers(beam, car):
+    return [d for d in unseen_dampers(beam, car) if d.strategy.name.endswith("0 ms late")]
+
+
 @pytest.fixture(scope="module")
 def cases():
-    return validate_dampers(110 / 3.6, [9], 2, approach=5, workers=1)
+    """Of three dampers that are known, and two that are not."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(damper_validation, "known_dampers", lambda *of: known_dampers(*of)[:3])
+        patch.setattr(damper_validation, "unseen_dampers", late_dampers)
+        return validate_dampers(110 / 3.6, [9], 2, approach=5, workers=1)
 
 
 def made_case(n=5, n_pairs=6, seed=1):
@@ -48,9 +56,9 @@ def test_roads_are_those_of_a_class_and_their_mirror_images(cases):
     """Simulated again for one damper, within 1e-6; and its class DAE from its own surface."""
     beam, car, x = bc.li2006.beam(9), bc.li2006.car(), -5 + 0.1 * np.arange(141)
     for case, name, seed in zip(cases, "AB", (1306, 1307), strict=True):
-        assert (case.span, case.road_class, case.n_known) == (9, name, 23)
+        assert (case.span, case.road_class, case.n_known) == (9, name, 3)
         i = case.dampers.index("bridgehook, 20 ms late")
-        law = unseen_dampers(beam, car)[i - 23]
+        law = late_dampers(beam, car)[i - 3]
         z = iso8608_elevations(2, name, 14, seed=seed)
         loop = simulate_loop(beam, car, law, 110 / 3.6, x, np.vstack([z, -z]))
         assert case.daf[i].ravel() == pytest.approx(loop.daf.ravel(), abs=1e-6)

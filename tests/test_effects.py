@@ -42,6 +42,7 @@ def test_superposed_effects_are_those_the_propagator_simulates(bridge, truck, ef
     assert np.all(np.abs(surface.superposed_daf(road) - simulated) < scale)
 
 
+@pytest.mark.quick_cases(4)
 @pytest.mark.parametrize("effect", EFFECTS)
 @pytest.mark.parametrize("seed", [1, 4])
 def test_each_effect_is_that_of_the_control_library(effect, seed):
@@ -59,6 +60,7 @@ def test_each_effect_is_that_of_the_control_library(effect, seed):
     assert daf == pytest.approx(found.max(), abs=2e-3 * np.ptp(found))
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("method", ["propagator", "control"])
 def test_the_outputs_of_a_response_have_the_same_peaks(bridge, truck, method):
     road, speed = rough_road(5, -10, 25, height=3e-4), 25.0
@@ -90,6 +92,7 @@ def test_the_static_peak_of_a_convoy_is_found_among_its_places(bridge, truck):
     assert alone < effect.static_peak(bridge, convoy) < 2 * alone
 
 
+@pytest.mark.slow
 def test_an_acceleration_has_no_smooth_road_in_proportion_and_its_ramps_superpose(bridge, truck):
     """A straight ramp of 1 mm at the start: the response is proportional to its height."""
     one = bc.ramp_surface(bridge, truck, 25.0, effect="acceleration", ramp_height=1e-3)

@@ -116,6 +116,7 @@ def test_as_many_processes_as_joblib_is_told_to_take_are_taken():
         assert_same(done(shares.numbers, workers=None))
 
 
+@pytest.mark.slow
 @LINUX
 def test_a_scheduler_of_this_machine_is_started_and_ended():
     before = children()
@@ -135,6 +136,7 @@ def test_a_score_on_a_scheduler_is_that_of_one_process(address, bridge, truck):
         assert np.array_equal(board.values[name], alone.values[name]), name
 
 
+@pytest.mark.slow
 def test_a_validation_on_a_scheduler_is_that_of_one_process(address):
     alone, there = (
         validation.validate([25.0], [9], [0.0], n_random=20, **where)
@@ -194,7 +196,7 @@ def test_lost_shares_are_taken_first_and_not_without_end():
         jobs.again(2)
 
 
-@pytest.mark.parametrize("scheduler", [None, "address"])
+@pytest.mark.parametrize("scheduler", [None, pytest.param("address", marks=pytest.mark.slow)])
 def test_work_that_fails_fails_with_its_own_error(scheduler, request):
     scheduler = scheduler and request.getfixturevalue(scheduler)
     with pytest.raises(OSError, match="no share") as caught:
@@ -250,6 +252,7 @@ def test_without_dask_the_extra_is_named(capsys, monkeypatch):
         done(shares.numbers, scheduler="local")
 
 
+@pytest.mark.slow
 def test_a_scheduler_without_workers_is_not_waited_for_without_end(monkeypatch):
     monkeypatch.setattr(_dask, "IDLE", 0.5)
     with cluster_of(0) as (_, address), pytest.raises(WorkersLostError, match="has no workers for"):

@@ -102,6 +102,7 @@ def test_a_list_by_the_control_library_agrees(bridge, truck):
     assert slow == pytest.approx(bc.daf(bridge, truck, SPEEDS[:1], **options), abs=1e-6)
 
 
+@pytest.mark.quick_cases(1)
 @every_damper
 def test_a_list_with_a_damper_is_what_single_calls_are(bridge, truck, damper):
     effects = ["moment", bc.Deflection(10.0)]
@@ -138,6 +139,7 @@ def test_a_list_is_checked_as_each_of_its_effects(bridge, truck, effect, message
 # Named outputs
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("method", ["propagator", "control"])
 def test_named_outputs_come_after_the_usual_ones_in_their_units(spans, truck, road, method):
     effects = {"pier": PIER, "at_10_m": bc.Deflection(10.0), "tire": "tire_force"}
@@ -186,6 +188,7 @@ def test_a_crossing_tells_its_further_effects(spans, truck):
 # Static values
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("effect", [PIER, bc.Shear(10.0), bc.Deflection(10.0), bc.Reaction(25.0)])
 def test_a_truck_that_creeps_has_the_static_values(spans, truck, effect):
     """Within half a percent of the peak at 0.5 m/s."""
@@ -268,6 +271,7 @@ def test_the_envelope_of_a_truck_that_creeps_is_the_static_one(spans, truck):
     assert found.smallest == pytest.approx(found.static_smallest, abs=limit)
 
 
+@pytest.mark.slow
 def test_a_bridge_turned_round_has_the_static_envelope_turned_round(haunched, truck):
     turned = replace(
         haunched, spans=[30, 20], flexural_rigidity=haunched.flexural_rigidity[::-1],
@@ -280,6 +284,7 @@ def test_a_bridge_turned_round_has_the_static_envelope_turned_round(haunched, tr
     assert back.static_smallest == pytest.approx(there.static_smallest[::-1], abs=limit)
 
 
+@pytest.mark.slow
 def test_a_symmetric_bridge_and_a_mirrored_truck_have_mirrored_static_envelopes(spans, truck):
     car = replace(truck, sprung_mass=3000.0)
     trains = [bc.convoy(each, [0, 5]) for each in ([truck, car], [car, truck])]
@@ -314,6 +319,7 @@ def test_a_modal_bridge_has_the_places_that_are_told(spans, truck):
     assert found.smallest == pytest.approx(exact.smallest, rel=0.01)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("damper", [None, FITTED["skyhook"]])
 def test_an_envelope_in_flight_is_that_of_single_places(spans, truck, violent, damper):
     """Within 1e-5 of the largest; the tire leaves the road and lands on either way."""
@@ -352,6 +358,7 @@ def test_an_envelope_shows_itself_in_one_line(bridge, truck):
 # Figures
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize(
     ("quantity", "label", "factor"),
     [("moment", "moment [kN m]", 1e-3), ("deflection", "deflection [mm]", 1e3),

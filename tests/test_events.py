@@ -45,6 +45,7 @@ def test_every_law_is_its_fine_integration(name, seed):
     assert (found.least_force[0, 0] == 0) == (fine.least == 0) == (seed % 3 == 0)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize(("seed", "name"), [(3, "groundhook"), (6, "skyhook"), (1, "clipped LQR")])
 def test_a_law_with_lift_off_or_a_force_limit_is_its_fine_integration(seed, name):
     beam, car, options, speed, road = eventful_loop(seed)
@@ -52,6 +53,7 @@ def test_a_law_with_lift_off_or_a_force_limit_is_its_fine_integration(seed, name
     assert found.daf[0, 0] == pytest.approx(fine.peak, abs=2e-5)
 
 
+@pytest.mark.slow
 def test_a_force_limit_flips_no_command(bridge, truck):
     """The paper's truck, skyhook limited to 2 kN, class B, 25 m/s: 500 commands, all the same."""
     road = bc.iso8608_profile("B", 25, seed=5, start=0)
@@ -121,6 +123,7 @@ def test_the_first_sign_change_of_a_cubic_is_found():
     assert np.isinf(first_sign_change(nodes, np.ones((1, 4))))
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("section", [0.2, 0.5])
 def test_the_peak_of_a_beam_with_many_modes_is_found(truck, section):
     """Eight modes of 11 m, the last at 490 Hz: as the passive crossing, solved exactly."""

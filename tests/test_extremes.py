@@ -152,6 +152,7 @@ def test_the_smallest_maximum_over_speeds_lowers_the_daf_at_every_speed(surface)
         assert surface.dae(other.road).max() >= extreme.dae - 1e-9
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("largest", [True, False])
 def test_an_iri_bound_holds_and_binds(surface, largest):
     extreme = extreme_road(surface, speed=at(100), iri=2.0, largest=largest)

@@ -66,6 +66,7 @@ def test_the_text_of_an_error_without_a_number_is_kept(tmp_path):
         raise OSError("encoder error -2")
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
 def test_a_figure_that_does_not_fit_on_the_disk_leaves_no_file(capsys, tmp_path, suffix):
     path = tmp_path / f"road.{suffix}"
@@ -77,6 +78,7 @@ def test_a_figure_that_does_not_fit_on_the_disk_leaves_no_file(capsys, tmp_path,
     assert not os.listdir(tmp_path)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("command", [SCORE, DAE, ["profile"]])
 def test_a_figure_that_fails_leaves_the_one_before(capsys, tmp_path, command):
     path = tmp_path / "figure.png"

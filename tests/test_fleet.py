@@ -81,6 +81,7 @@ def test_a_truck_is_the_same_in_any_order_and_beside_any_others():
     assert len({*forward}) == 20
 
 
+@pytest.mark.slow
 def test_a_truck_is_the_same_in_another_process():
     fleet = mixed()
     program = (

@@ -19,6 +19,7 @@ def fits(elevations, step=0.1):
     return np.array([RoadPsd(n, density, averages).fit() for density in densities]).T
 
 
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("waviness", [1.0, 1.5, 2.0, 3.0])
 def test_the_fitted_line_is_the_one_asked_for_in_the_mean_of_200_roads(method, waviness):
@@ -42,6 +43,7 @@ def test_every_one_of_200_long_roads_has_the_line_asked_for(method):
     assert worst[1] < 0.05
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("method", METHODS)
 def test_the_iri_of_200_gaussian_roads_is_that_of_theory(method):
     """IRI = 0.543 sqrt(G_d(n_0) / 1e-6 m^3) m/km, within 2 %."""

@@ -53,7 +53,7 @@ def daf_of_samples(law, sample_time):
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=() if name == "clipped LQR" else pytest.mark.slow)
+        pytest.param(name, marks=pytest.mark.slow)
         for name in LAWS
         if name not in {*SAMPLED, *RATES, "preset", "skyhook"}
     ],

@@ -123,10 +123,10 @@ def test_several_effects_are_read_of_one_propagation(bridge):
 def test_hogging_over_a_pier_and_its_reaction():
     two_spans = bc.Bridge([20, 25], 18358, 4.865e10)
     effects = [bc.Moment(20.0, sense="smallest"), bc.Moment(8.0), bc.Reaction(20.0), "deflection"]
-    vehicles, speeds, _ = fleet(4, 6)
+    vehicles, speeds, _ = fleet(4, 3)
     road = rough_road(4, START, 50.0, height=1.5e-4)
     found = bc.daf(two_spans, vehicles, speeds, road, start=START, effect=effects)
-    single = one_by_one(two_spans, vehicles, speeds, [road] * 6, effect=effects)
+    single = one_by_one(two_spans, vehicles, speeds, [road] * 3, effect=effects)
     assert found == pytest.approx(single, abs=1e-6)
 
 
@@ -169,6 +169,7 @@ def test_tire_forces_are_those_of_single_crossings_of_narrow_cells(bridge, monke
     assert found == pytest.approx(single, abs=3e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:the road was measured", "ignore:vehicle.*the road was measured")
 def test_the_control_library_finds_the_same(bridge):
     vehicles, speeds, roads = fleet(8, 2, [two_axle])

@@ -138,6 +138,7 @@ def test_alone_or_beside_others_in_any_order_a_controller_does_the_same_to_the_b
         assert np.array_equal(one, memory[1:2, :, 7:8])
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("name", LAWS)
 def test_alone_or_beside_others_in_any_order_a_crossing_is_the_same(name):
     """Of speeds to the bit; products of matrices round by how many roads there are: 1e-12."""
@@ -153,6 +154,7 @@ def test_alone_or_beside_others_in_any_order_a_crossing_is_the_same(name):
         assert alone.histories[0]["damping"][0] == pytest.approx(every[2], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_fast_way_of_roads_alike_until_their_ramp_is_that_of_roads_each_on_its_own():
     """Until a ramp begins its road has the memory of the level one, filled by the smooth bridge."""
     crossing = bc.Crossing(BEAM, bare_vehicle(CAR))

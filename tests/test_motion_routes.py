@@ -137,6 +137,7 @@ def test_accelerations_of_a_braking_truck_are_those_of_the_other_route():
     np.testing.assert_allclose(together[0], fast, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_several_effects_of_a_braking_car_are_those_of_the_other_route():
     effects = ["moment", bc.Deflection(8.0), "tire_force"]
     fast = bc.daf(BEAM, CAR, [STOPPING, 20.0], start=-8.0, effect=effects)
@@ -217,6 +218,7 @@ def test_work_and_energy_balance_while_a_truck_brakes(damped):
     assert work == pytest.approx(energy[-1], abs=1e-6 * energy.max())
 
 
+@pytest.mark.slow
 def test_a_braking_truck_that_leaves_the_road_is_simulated_with_the_tires_kept_from_pulling():
     road = bc.RoadProfile([-10, -3, -2.5, 25], [0, 0, -0.12, -0.12])
     motion = bc.Motion(30.0, -2.0)

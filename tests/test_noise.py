@@ -47,6 +47,7 @@ def test_round_off_in_the_first_station_changes_no_noise(bridge, truck, start):
     assert other == pytest.approx(one, abs=1e-12)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("seed", range(2))
 def test_the_order_of_a_batch_does_not_matter(bridge, truck, roads, together, seed):
     rng = np.random.default_rng(seed)
@@ -83,6 +84,7 @@ def test_two_processes_give_the_scores_of_one(bridge, truck, roads):
         assert two.values[name] == pytest.approx(values, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_roads_speeds_and_seeds_have_noise_of_their_own(bridge, truck):
     """On roads that differ by a tenth of a millimetre far ahead, commands differ at once."""
     bump, between = (np.where(np.abs(X - place) < 0.05, 1e-4, 0.0) for place in (20, 20.4))

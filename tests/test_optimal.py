@@ -109,6 +109,7 @@ def test_no_range_has_no_shares(bridge, truck):
         assert steps.shares(damping).tolist() == [0.0] * 10
 
 
+@pytest.mark.slow
 def test_a_single_interval_is_a_constant_damper(bridge, truck, road):
     found = clairvoyant(bridge, truck, SPEED, road, SOFT, STIFF, start=START, step=10.0)
     assert found.damping.shape == (1,)

@@ -106,6 +106,7 @@ def test_blocks_that_raise_other_moments_are_found_out(coarse, monkeypatch):
     assert peaks[-1] < peaks[0] - 0.02
 
 
+@pytest.mark.slow
 def test_many_crossings_have_the_numbers_that_each_has_alone(bridge, truck, roads):
     given = {"c_min": SOFT, "c_max": STIFF, "start": -1.0, "step": 0.1}
     found = clairvoyant(bridge, truck, [25.0, 30.0], roads[1:], **given, workers=1)
@@ -137,6 +138,7 @@ def test_the_descent_leaves_a_poor_optimum_that_the_solver_stays_at(bridge, truc
     assert again == pytest.approx(best.daf, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_tires_that_leave_the_road_are_counted(bridge, truck):
     kerb = bc.RoadProfile([-10, -1, -0.9, 25], [0, 0, -0.08, -0.08])
     level = bc.RoadProfile([-10, 25], [0, 0])

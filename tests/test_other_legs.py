@@ -45,6 +45,7 @@ def test_a_law_of_other_legs_is_its_fine_integration(truck, seed):
     assert (found.least_force[0, 0] == 0) == (fine.least == 0) == lift_off
 
 
+@pytest.mark.quick_cases(3)
 @pytest.mark.parametrize("signal", SIGNALS)
 def test_a_legs_own_signal_by_its_name_or_number_is_its_own(bridge, vehicle, road, signal):
     """With noise of each sensor, which is the same whoever listens."""
@@ -58,6 +59,7 @@ def test_a_legs_own_signal_by_its_name_or_number_is_its_own(bridge, vehicle, roa
         )  # fmt: skip
 
     noise = {"velocity_noise": 1e-3, "acceleration_noise": 0.1, "position_deviation": 0.5}
+    noise["sample_time"] = 8e-3
     found = [
         bc.daf(bridge, vehicle, 25.0, road, start=-20, damper={"rear": Damper(law(name), **noise)})
         for name in (signal, f"{signal}_rear", f"{signal}_2")
@@ -106,6 +108,7 @@ def test_a_passive_leg_is_measured_too(bridge, vehicle, road):
     assert board.values["daf"][1, 0, 0] == pytest.approx(found[0][0], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_late_signals_of_another_leg_are_late(bridge, vehicle, road):
     """By two samples, as with the state that a law of its own keeps of them."""
     plain = Strategy("plain", lambda s, g: 8e3 + 50e3 * s.body_velocity_2, SOFT, STIFF)
@@ -224,7 +227,7 @@ def test_scores_of_laws_that_differ_in_the_leg_alone_are_kept_apart(
             "leg", lambda s, g, n=leg: 8e3 + 5e4 * getattr(s, f"body_velocity_{n}"), SOFT, STIFF
         )
         board = bc.score(
-            [law], bridge, vehicle, [road], 25.0, approach=20, workers=1, progress=False,
+            [law], bridge, vehicle, [road], 25.0, approach=2, workers=1, progress=False,
             resume=tmp_path / "work.jsonl",
         )  # fmt: skip
         found.append(board.values["daf"][0, 0, 0])

@@ -35,6 +35,7 @@ def told(damper, bridge, truck, speeds, roads):
     return (first[..., 0] - 1e3) / 10 - X[0]
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("error", [-2.5, 0.3])
 def test_a_program_told_of_a_place_ahead_is_one_with_its_places_behind(bridge, truck, roads, error):
     lost = Damper(SWITCHED, position_error=error)
@@ -82,6 +83,7 @@ def test_errors_of_position_leave_the_noise_of_velocities_as_it_is(bridge, truck
     assert one == pytest.approx(other, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_crossing_with_an_error_of_position_is_the_same_by_every_route(bridge, truck, roads):
     damper, road = Damper(SWITCHED, position_deviation=1.0), bc.RoadProfile(X, roads[4])
     together = simulate_loop(bridge, truck, damper, SPEEDS, X, roads).daf
@@ -91,6 +93,7 @@ def test_a_crossing_with_an_error_of_position_is_the_same_by_every_route(bridge,
     assert board.values["daf"][1, 0] == pytest.approx(together[:, 4], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_every_ramp_of_a_surface_has_an_error_of_its_own(bridge, truck):
     damper = Damper(SWITCHED, position_deviation=1.0)
     surface = bc.ramp_surface(

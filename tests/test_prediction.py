@@ -50,6 +50,7 @@ def assert_simulated_alike(case):
 # Against simulations
 
 
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize("seed", [1, 2, 3, 4, 9])
 def test_states_and_moments_are_those_of_a_crossing_of_a_rough_road(seed):
     """Random bridges, sections and recoveries; seeds 4 and 9 have two vehicles."""
@@ -109,6 +110,7 @@ def end_of_motion(crossing, places, begin, push):
     return state
 
 
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize(("at", "to"), [(-4.0, 6.0), (3.0, 9.0), (8.0, 12.5), (10.0, 20.0)])
 def test_an_impulse_changes_states_and_moment_as_a_short_push_does(bridge, truck, at, to):
     """100 N s within 0.1 ms, by the equations of motion; within 1e-4 of the largest change."""

@@ -106,6 +106,7 @@ def test_an_unknown_shape_and_a_missing_name_are_refused():
 # Presets
 
 
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize("stations", ["even", "uneven"])
 @pytest.mark.parametrize("where", [{}, {"section": 0.3, "recovery": "li2006"}], ids=["", "else"])
 def test_a_preset_has_the_damping_of_the_least_simulated_daf_of_each_road_and_speed(

@@ -19,6 +19,7 @@ def moments(case, refine):
     return effect_samples(crossing, bridge)[0, :: len(SAMPLES) * refine]
 
 
+@pytest.mark.quick_cases(6)
 @pytest.mark.parametrize("seed", range(30, 50))
 def test_moments_are_converged_to_1e_7_at_the_cells_that_are_used(seed):
     case = random_case(seed)

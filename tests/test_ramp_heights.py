@@ -35,6 +35,7 @@ def test_a_linear_daf_is_that_of_the_control_library(bridge, truck):
         assert np.interp(drop, at.heights, at.daf) == pytest.approx(expected, abs=1e-4)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("name", ["passive", "bridgehook", "PDD"])
 def test_every_daf_is_that_of_the_road_of_one_ramp(bridge, truck, found, name):
     """Simulated alone, within 1e-4 of the static moment."""
@@ -68,6 +69,7 @@ def test_the_parabola_meets_the_daf_at_both_heights_and_on_the_smooth_road(found
     assert at.second_order == pytest.approx(parabola(at.heights), abs=1e-12)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("name", ["passive", "bridgehook", "PDD"])
 def test_the_line_has_the_slope_of_a_drop_of_1_mm(bridge, truck, found, name):
     """Eq. (15), from two simulated roads: within 1e-4 for each mm."""

@@ -16,7 +16,8 @@ UM = 1e-6
 
 @pytest.mark.filterwarnings("ignore:start = -12 m is not forgotten")
 @pytest.mark.parametrize(
-    "seed", [*range(8), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(8, 20))]
+    "seed",
+    [0, 1, 4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3, *range(5, 20)))],
 )
 def test_the_propagator_path_is_the_control_library_path(seed):
     """Moment histories within 1e-6 of M_0 on random beams, vehicles, speeds and roads."""
@@ -194,6 +195,7 @@ def _until(rate, contact, time, corner, state, touching):
     )  # fmt: skip
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("method", ["propagator", "control"])
 def test_a_tire_that_leaves_the_road_flies_and_lands(bridge, truck, method):
     road, speed = humped_road(0.09), 10.0
@@ -264,6 +266,7 @@ def test_the_first_flight_is_where_the_first_tire_loses_contact():
     assert first_flight(x, np.full((2, 4), 1.0)) is None
 
 
+@pytest.mark.slow
 def test_two_trucks_that_fly_are_simulated_alike_by_both_routes(bridge, truck):
     convoy = bc.convoy([truck, truck], [0.0, 4.0])
     road, speed = humped_road(0.09), 10.0
@@ -285,6 +288,7 @@ def test_a_tire_in_contact_draws_no_warning_and_never_pulls(bridge, truck, recwa
     assert not recwarn.list
 
 
+@pytest.mark.slow
 def test_daf_tells_at_which_speeds_a_tire_leaves_the_road(bridge, truck):
     road = humped_road(0.06)
     speeds = np.array([8.0, 25.0])

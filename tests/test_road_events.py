@@ -176,6 +176,7 @@ def test_a_linear_settlement_is_a_ramp_up_to_the_abutment() -> None:
     assert settlement(6, 0.04, x=25).x.tolist() == [19, 25]
 
 
+@pytest.mark.slow
 @given(st.integers(1, 12), depths)
 def test_a_parabolic_settlement_follows_its_formula(length: int, depth: float) -> None:
     event = settlement(length, depth, shape="parabolic")
@@ -260,6 +261,7 @@ def test_the_order_of_events_does_not_matter(
     assert in_turn.elevation_at(together.x) == pytest.approx(together.elevation, abs=ROUND_OFF)
 
 
+@pytest.mark.slow
 @given(roads(), events())
 def test_the_difference_to_the_road_is_the_event(road: RoadProfile, event: RoadEvent) -> None:
     at = np.linspace(-50, 30, 4001)

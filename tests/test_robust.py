@@ -195,6 +195,7 @@ def test_every_way_to_tell_of_a_bridge_is_changed_alike(rigidity, damping):
     assert more == pytest.approx(0.02, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_truck_of_several_legs_has_the_errors_at_each():
     truck = bc.trucks.load("T2")
     law = Strategy("placed", lambda s, g: 1e3 * (s.position + 3), 2e3, 30e3)
@@ -271,6 +272,7 @@ def test_one_road_has_no_interval_and_one_strategy_is_one():
     assert "±" not in str(told).split("Change of the mean")[0]
 
 
+@pytest.mark.slow
 def test_the_figure_draws_every_change_above_and_below_a_zero_line(found):
     figure = found.plot()
     panels = [ax for ax in figure.axes if ax.get_visible()]

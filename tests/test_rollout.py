@@ -199,6 +199,7 @@ def scripted(x, c, end):
     return Strategy("scripted", law, SOFT, STIFF)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("x", [0.5, 2.0])
 def test_what_another_damping_changes_is_predicted_as_closed_loops_have_it(monkeypatch, x):
     """Held for 20 ms, over a known road: within 0.003 of the static moment, of some 0.012."""

@@ -77,6 +77,7 @@ def assert_same(found, surface):
         np.testing.assert_array_equal(getattr(found, name)(road), getattr(surface, name)(road))
 
 
+@pytest.mark.quick_cases(3)
 @pytest.mark.parametrize("name", BRIDGES)
 def test_a_surface_of_any_bridge_comes_back_to_the_bit(name, tmp_path):
     surface, file = made(BRIDGES[name]), tmp_path / "surface.npz"
@@ -85,6 +86,7 @@ def test_a_surface_of_any_bridge_comes_back_to_the_bit(name, tmp_path):
     assert_same(load_surface(file, beam=BRIDGES[name], effect=surface.effect), surface)
 
 
+@pytest.mark.quick_cases(3)
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: type(effect).__name__)
 def test_a_surface_of_any_effect_comes_back_to_the_bit(effect, tmp_path):
     surface, file = made(BRIDGES["one number each"], effect), tmp_path / "surface.npz"
@@ -108,6 +110,7 @@ def test_an_effect_at_another_place_is_refused(effect, tmp_path):
         load_surface(file, effect=dataclasses.replace(effect, at=at))
 
 
+@pytest.mark.slow
 def test_a_bridge_of_another_kind_or_of_other_numbers_is_refused(tmp_path):
     for name, bridge in BRIDGES.items():
         made(bridge).save(tmp_path / f"{name}.npz")

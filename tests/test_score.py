@@ -177,7 +177,7 @@ def test_an_interrupted_run_goes_on_where_it_stopped(roads, board, tmp_path, mon
     file, whole, done = tmp_path / "score.jsonl", scoring._part, []
 
     def interrupted(study, damper, first):
-        if len(done) == 4:  # of each strategy there are roads, and their class
+        if len(done) == 7:  # roads of each strategy, then unit ramps and a class of each
             raise KeyboardInterrupt
         done.append(damper.name)
         return whole(study, damper, first)
@@ -207,6 +207,7 @@ def test_a_file_serves_more_strategies_and_changed_ones_are_done_again(roads, tm
         assert np.array_equal(found.values["daf"], fresh.values["daf"])
 
 
+@pytest.mark.slow
 def test_a_strategy_that_chooses_its_gains_otherwise_is_done_again(roads, tmp_path):
     file = tmp_path / "score.jsonl"
     for n_dampings in (2, 5):
@@ -233,6 +234,7 @@ def test_other_roads_of_a_file_are_done_again(roads, tmp_path):
     assert np.array_equal(found.values["daf"], scored(roads[1:2], STRATEGIES[:1]).values["daf"])
 
 
+@pytest.mark.slow
 def test_many_roads_are_scored_in_parts(roads, board, monkeypatch):
     monkeypatch.setattr("bridgectl.scoring.study.ROADS_AT_ONCE", 2)
     found = scored(roads, STRATEGIES[:2])

@@ -171,6 +171,7 @@ def test_with_control_from_the_bridges_start_a_bound_is_proven(roads):
     assert near.to_pandas()["daf_bound"].to_numpy()[0] == proven[0, 0]
 
 
+@pytest.mark.slow
 def test_further_before_the_bridge_and_of_too_many_dampings_no_bound_is_told(found, roads):
     assert np.isnan(found.optimum["daf_bound"]).all()
     assert "No bound is proven" in score_text(found)

@@ -84,6 +84,8 @@ def test_an_effect_of_no_kind_is_an_error(bridge, truck):
         TypeError, match=r"effect must be one of .*, or as Moment.* speeds go with daf"
     ):
         bc.Crossing(bridge, truck, 25.0)
+    with pytest.raises(TypeError, match=r"in daf and peak_effect a list.*list\(effects.values"):
+        bc.daf(bridge, truck, 25.0, effect={"pier": bc.Reaction(0.0)})
     with pytest.raises(ValueError, match="sense must be one of 'largest', 'smallest'"):
         bc.Moment(10.0, sense="hogging")
     with pytest.raises(ValueError, match=r"at must .* got -1"):
@@ -93,6 +95,7 @@ def test_an_effect_of_no_kind_is_an_error(bridge, truck):
 # Both senses, by every route
 
 
+@pytest.mark.quick_cases(3)
 @pytest.mark.parametrize("effect", SMALLEST, ids=repr)
 @pytest.mark.parametrize("method", ["propagator", "control"])
 def test_the_smallest_value_is_that_of_the_history(bridge, truck, road, effect, method):
@@ -125,6 +128,7 @@ def test_smallest_values_superpose(bridge, truck, road, effect):
     assert unit * surface.daf_unit[:, 260] == pytest.approx(with_ramp, abs=1e-6 * scale)
 
 
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize("effect", [*SMALLEST, bc.TireForce(), bc.Deflection(7.0)], ids=repr)
 def test_a_damper_that_hardly_changes_is_the_passive_one_for_every_effect(
     bridge, truck, road, effect

@@ -201,6 +201,7 @@ def test_a_kalman_filter_knows_the_damping_that_it_commands(damping):
 # The strategies behind them
 
 
+@pytest.mark.quick_cases(3)
 @pytest.mark.parametrize("kind", FILTERS)
 @pytest.mark.parametrize("law", [skyhook(SOFT, STIFF), groundhook(SOFT, STIFF), HOOK])
 def test_a_strategy_behind_sensors_is_the_same_in_batch_as_in_casadi(roads, kind, law):
@@ -214,6 +215,7 @@ def test_a_strategy_behind_sensors_is_the_same_in_batch_as_in_casadi(roads, kind
     assert BatchLaw(behind, [*SPEEDS]).steps is not None  # on arrays, not case by case
 
 
+@pytest.mark.slow
 def test_a_score_has_a_strategy_ideal_and_as_measured(roads):
     ideal = skyhook(SOFT, STIFF)
     behind = Damper(

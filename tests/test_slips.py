@@ -258,6 +258,8 @@ SLIPS = {
         "clairvoyant": [
             (slip, said.replace("progress", "clairvoyant")) for slip, said in PROGRESS
         ],
+        "dae": [(slip, said.replace("progress", "dae")) for slip, said in PROGRESS],
+        "on_simulated": [("print", "on_simulated must be a function .*type on_simulated=print")],
         "resume": [(3, "resume must name a file.*type resume=")],
         "workers": [
             (0, "workers must be 1 or more"), ("2", "workers must be a whole.*without quotes"),

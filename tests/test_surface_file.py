@@ -507,6 +507,7 @@ MANY_ZEROS = 8 * 2 * 5_000_000
 """80 MB that pack into 80 kB."""
 
 
+@pytest.mark.quick_cases(3)
 @pytest.mark.parametrize(
     ("shape", "zeros", "options", "says"),
     [

@@ -208,6 +208,7 @@ def test_a_lane_factor_is_a_beam_that_is_heavier_and_stiffer_by_its_square(facto
     np.testing.assert_allclose(swings, swing / factor, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_vehicles_far_apart_cross_a_damped_beam_one_after_the_other():
     damped = dataclasses.replace(BEAM, damping_ratio=0.05)
     road = rough_road(3, -20.0, 26.0, 0.25, 3e-4)

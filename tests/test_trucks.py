@@ -67,6 +67,7 @@ def test_matrices_offsets_and_loads_are_those_of_an_independent_solution(referen
     )
 
 
+@pytest.mark.quick_cases(4)
 @needs_reference
 @pytest.mark.parametrize(
     "name",
@@ -198,6 +199,8 @@ def test_a_half_car_of_numbers_is_that_of_parts():
     front, rear = Axle(-2.0, 700, 3e6, 1.75e6, 1e4), Axle(3.0, 900, 6e6, 1.75e6, 2e4)
     assert truck == rigid(Body(10500, 5e4, [front, rear]))
     assert truck.damper_names == ("front", "rear")
+    tall = half_car(10500, 5e4, (-2.0, 3.0), (700, 900), (3e6, 6e6), 1.75e6, (1e4, 2e4), height=1.4)
+    assert tall == rigid(Body(10500, 5e4, [front, rear], height=1.4)) != truck
 
 
 def test_a_group_has_one_leg_and_turns_about_it():

@@ -173,6 +173,7 @@ def best_constant(roads):
     return min(dafs)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("method", ["gradient", "generations"])
 def test_a_program_of_one_place_becomes_the_best_constant_damper(method):
     """Not more than 5e-5 above the best of 40 that another engine finds; 0.008 are gained."""
@@ -202,6 +203,7 @@ def test_the_best_so_far_only_falls_from_the_start_to_the_end(tuned):
     assert history[-1] < history[0] - 1e-4
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("method", ["generations", "gradient"])
 def test_a_law_is_never_worse_than_it_was_and_others_gains_stay(method):
     law = hybrid(1e3, 30e3)

@@ -178,6 +178,7 @@ def test_the_figure_has_the_papers_panels_with_units(few, tmp_path):
     assert (tmp_path / "figure.png").stat().st_size > 50_000
 
 
+@pytest.mark.slow
 def test_the_command_draws(capsys, tmp_path):
     picture = tmp_path / "validation.svg"
     status, out, _ = run_command(capsys, "validate", "--spans", "25", "--speeds", "66,108",

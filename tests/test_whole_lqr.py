@@ -49,6 +49,7 @@ def test_a_half_car_without_coupling_inertia_has_the_gains_of_two_quarter_cars()
                 assert abs(own[f"{name}_{other}"]) < 1e-9 * abs(gain)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::bridgectl.PlausibilityWarning")  # a bridge of rock
 def test_on_rock_its_axles_move_as_those_of_the_quarter_cars():
     """Closed loop on a rough road: tire forces within 1e-6 of the static load."""
@@ -122,6 +123,7 @@ def test_the_command_is_the_force_over_the_velocity_within_bounds():
     assert 0.1 < inside.mean() < 0.9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("truck", "seed"), [(half_car, 4), pytest.param(five_axles, 1, marks=pytest.mark.slow)]
 )

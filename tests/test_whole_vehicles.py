@@ -121,6 +121,7 @@ def test_every_law_at_every_axle_is_its_fine_integration(truck, name, seed):
     assert (found.least_force[0, 0] == 0) == (fine.least == 0) == lift_off
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize(
     ("truck", "seed", "name"), [(half_car, 3, "skyhook"), (five_axles, 1, "groundhook")]
 )
@@ -166,6 +167,7 @@ def test_a_half_car_without_coupling_inertia_is_two_quarter_cars(bridge, roads, 
     assert found[0] == pytest.approx(found[1], abs=1e-6 if name == "bridgehook" else 1e-9)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.filterwarnings("ignore::bridgectl.PlausibilityWarning")  # a bridge of rock
 @pytest.mark.parametrize("law", [skyhook(SOFT, STIFF), dampers.tire_groundhook(SOFT, STIFF)])
 def test_on_rock_the_tires_of_a_half_car_have_the_forces_of_quarter_cars_on_their_own(roads, law):
@@ -186,6 +188,7 @@ def test_on_rock_the_tires_of_a_half_car_have_the_forces_of_quarter_cars_on_thei
 # Against the linear crossing
 
 
+@pytest.mark.quick_cases(2)
 @pytest.mark.filterwarnings("ignore:start = :bridgectl.PlausibilityWarning")
 @pytest.mark.parametrize("effect", ["moment", "tire_force_2", bc.Moment(8.0), bc.Deflection()])
 @pytest.mark.parametrize("truck", [half_car, five_axles])
@@ -236,6 +239,7 @@ def test_constant_dampers_become_part_of_the_vehicle(bridge):
     assert surface.daf_smooth == pytest.approx(want, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_leg_without_a_damper_of_its_own_keeps_its_passive_one(bridge, roads):
     vehicle = half_car(np.random.default_rng(7), 3e4)
     road = bc.RoadProfile(roads[0], roads[1][1])
@@ -336,3 +340,15 @@ def test_blocks_of_all_legs_in_the_control_library_are_the_loop(bridge):
     groundhook = dampers.tire_groundhook(SOFT, STIFF).system(25.0, vehicle=vehicle, leg=2)
     assert groundhook.output_labels == ["damper_force_2", "damping_2"]
     assert "tire_force_2" in groundhook.input_labels
+
+
+def test_dampers_that_keep_their_damping_are_the_same_at_many_speeds_as_at_each():
+    """Many speeds go side by side in arrays, which must have the truck with its new dampers."""
+    bridge, truck = bc.li2006.beam(), half_car(np.random.default_rng(5))
+    speeds, new = np.linspace(15.0, 30.0, 5), passive(4e3)
+    over = {"profile": bc.iso8608_profile("A", 125, seed=1, start=-100), "start": -100}
+    for damper in (new, {"front": new}):
+        together = bc.daf(bridge, truck, speeds, damper=damper, **over)
+        each = [bc.daf(bridge, truck, speed, damper=damper, **over)[0] for speed in speeds]
+        assert np.abs(together - each).max() < 1e-6
+        assert np.abs(together - bc.daf(bridge, truck, speeds, **over)).max() > 1e-3

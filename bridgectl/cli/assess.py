@@ -15,17 +15,22 @@ import bridgectl as bc
 from bridgectl import _checks as check
 from bridgectl._version import __version__
 from bridgectl.cli import bridges, options, roads
+from bridgectl.cli.answer import checked_modulus, next_steps
 from bridgectl.cli.commands.assess import CLASSES
 from bridgectl.cli.effects import asked_effects
 from bridgectl.fleet.assessment import QUANTITIES, SHARES
 from bridgectl.fleet.study import checked_share
 from bridgectl.fleet.tails import METHODS, Estimate
+from bridgectl.fleet.text import print_assessment
 from bridgectl.model.bridge import BridgeModel
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from bridgectl.dampers import Strategy
+
+PERIOD_STEP = "what is borne", "--trucks-a-day 1500"
+TRUCKS_STEP = "your trucks", "--weighed station.csv"
 
 MEASURED = "measured"
 """Quality of the roads in files."""
@@ -40,9 +45,11 @@ def run_assess(args: argparse.Namespace) -> None:
     _check_traffic(args)
     bridge, fleet = bridges.make_bridge(args), _fleet(args)
     asked = asked_effects(args, bridge, fleet.passing(0).vehicle)
+    modulus = checked_modulus(args, asked)
+    driven, places = _roads(args, bridge.length)
     with options.resumed(args.resume):
         found = bc.assess(
-            bridge, fleet, _roads(args, bridge.length),
+            bridge, fleet, driven,
             effects={each.name: each.effect for each in asked}, n=_count(args, fleet),
             approach=args.approach, damper=_damper(args), damper_share=args.damper_share,
             meeting_rate=args.meeting, lane_factor=args.lane_factor, trucks_a_day=args.trucks_a_day,
@@ -54,9 +61,11 @@ def run_assess(args: argparse.Namespace) -> None:
     rule = {"method": args.method, "days_a_year": args.days_a_year}
 
     def show() -> None:
-        print(found.summary(args.return_period, **rule), end="")
+        print_assessment(found, args.return_period, rule, full=args.full, section_modulus=modulus)
+        print(*places, sep="\n", end="\n" * bool(places))
         if args.table is not None:
             print(f"Table: {args.table}")
+        print(next_steps(args, *([] if args.trucks_a_day else [PERIOD_STEP]), TRUCKS_STEP))
 
     def draw() -> dict[Path, Figure]:
         return {
@@ -66,7 +75,10 @@ def run_assess(args: argparse.Namespace) -> None:
 
     try:
         options.deliver(
-            args, draw, lambda: json.dumps(assessment_json(found, args, rule), indent=1), show
+            args,
+            draw,
+            lambda: json.dumps(assessment_json(found, args, rule, modulus), indent=1),
+            show,
         )
     except ValueError:  # where there is no tail there is no figure, but all else
         if not args.json:
@@ -89,8 +101,9 @@ def _pictures(path: Path, found: bc.Assessment) -> dict[Path, tuple[str, str]]:
 
 
 def assessment_json(
-    found: bc.Assessment, args: argparse.Namespace, rule: dict[str, Any]
-) -> dict[str, Any]:
+    found: bc.Assessment, args: argparse.Namespace, rule: dict[str, Any],
+    modulus: float | None = None,
+) -> dict[str, Any]:  # fmt: skip
     """Give what was found of each effect and quality, with units in the keys."""
     return {
         "bridgectl": __version__,
@@ -101,6 +114,7 @@ def assessment_json(
         **rule,
         "effects": [
             _effect_json(found, effect, quality, args.return_period, rule)
+            | _stress_json(found, effect, quality, modulus)
             for effect in found.effects for quality in found.qualities
         ],
     }  # fmt: skip
@@ -123,6 +137,21 @@ def _effect_json(
         why = ("characteristic_total", "characteristic_static", "adr")
         told |= dict.fromkeys(why) | {"why_none": str(error)}
     return told
+
+
+def _stress_json(
+    found: bc.Assessment, effect: str, quality: str, modulus: float | None
+) -> dict[str, Any]:
+    """Give quantiles of the stress beside those of a moment."""
+    if modulus is None or found.effects[effect] != "N m":
+        return {}
+    return {
+        f"{of}_stress_N_per_m2": [
+            _estimate_json(Estimate(*(end / modulus for end in each)))
+            for each in found.quantiles(of, SHARES, effect=effect, quality=quality)
+        ]
+        for of in ("static", "total")
+    }
 
 
 def _estimate_json(estimate: Estimate) -> list[float | None]:
@@ -187,12 +216,17 @@ def _count(args: argparse.Namespace, fleet: bc.Fleet) -> int | None:
     return check.integer("--trucks", args.trucks, at_least=1)
 
 
-def _roads(args: argparse.Namespace, length: float) -> dict[str, list[bc.RoadProfile]]:
-    """Roads by quality: those of the files, and random ones of each class."""
+def _roads(
+    args: argparse.Namespace, length: float
+) -> tuple[dict[str, list[bc.RoadProfile]], list[str]]:
+    """Roads by quality, those of the files and random ones; where the bridge is in the files."""
     options.check_ramps("--approach", args.approach)
     check.integer("--random", args.random, at_least=1)
     departure = args.approach if args.meeting else 0.0
-    found = {MEASURED: roads.file_roads(args, length, departure)} if args.roads else {}
+    found: dict[str, list[bc.RoadProfile]] = {}
+    places: list[str] = []
+    if args.roads:
+        found[MEASURED], places = roads.file_roads(args, length, departure)
     if not args.roads:
         options.refuse_file_options(args)
     text = args.classes or ("" if args.roads else CLASSES)
@@ -201,7 +235,7 @@ def _roads(args: argparse.Namespace, length: float) -> dict[str, list[bc.RoadPro
         if each not in tuple("ABCDEFGH") or classes.count(each) > 1:
             raise ValueError(f"--classes must be different ones of A to H, as A,B, got {text!r}")
     whole = args.approach + length + departure
-    return found | roads.random_roads(classes, args.random, args.approach, whole)
+    return found | roads.random_roads(classes, args.random, args.approach, whole), places
 
 
 def _damper(args: argparse.Namespace) -> Any:

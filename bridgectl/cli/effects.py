@@ -19,6 +19,7 @@ from bridgectl.model.bridge_effects import AtSection
 from bridgectl.model.effect import NO_FACTOR, Effect
 from bridgectl.model.effects import as_effect
 from bridgectl.model.supports import Support
+from bridgectl.model.words import effect_in_words
 
 EFFECTS: dict[str, Callable[..., Effect]] = {
     "moment": bc.Moment, "shear": bc.Shear, "reaction": bc.Reaction, "deflection": bc.Deflection,
@@ -57,8 +58,7 @@ class Asked:
     @property
     def told(self) -> str:
         """The effect in words."""
-        place = f" at {self.effect.at:g} m" if isinstance(self.effect, AtSection) else ""
-        return f"{self.effect.sense} {self.effect.label}{place}"
+        return effect_in_words(self.effect)
 
     @property
     def content(self) -> dict[str, Any]:

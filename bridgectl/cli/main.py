@@ -50,6 +50,20 @@ COMMANDS = {
 """What each is, in brief."""
 
 
+SHELLS = "bash", "zsh", "fish"
+"""Shells that complete commands."""
+
+
+class _PrintCompletion(argparse.Action):
+    """Print a shell's script of all options, and leave, as --help does."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *given: Any) -> NoReturn:
+        from bridgectl.cli.completion import completion_script  # and what has names to complete
+
+        print(completion_script(_parser(tuple(COMMANDS)), given[1]))
+        parser.exit()
+
+
 class _Parser(argparse.ArgumentParser):
     """A parser whose complaint is one line."""
 
@@ -145,6 +159,11 @@ def _parser(argv: Sequence[str]) -> _Parser:
     look = argparse.RawDescriptionHelpFormatter
     parser = _Parser(prog="bridgectl", description=MAIN_HELP, formatter_class=look)
     parser.add_argument("--version", action="version", version=f"bridgectl {__version__}")
+    parser.add_argument(
+        "--print-completion", action=_PrintCompletion, choices=SHELLS, help="print a script that "
+        "completes commands, for ~/.local/share/bash-completion/completions/bridgectl, _bridgectl "
+        "in a folder of zsh's $fpath, or ~/.config/fish/completions/bridgectl.fish",
+    )  # fmt: skip
     commands = parser.add_subparsers(required=True, dest="command", metavar="COMMAND")
     for name, brief in COMMANDS.items():
         made = commands.add_parser(name, help=brief, formatter_class=look)

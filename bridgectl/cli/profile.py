@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shlex
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,14 +19,15 @@ from bridgectl._plausible import judge_smoothness
 from bridgectl._tables import make_console, make_table
 from bridgectl._version import __version__
 from bridgectl.cli import options
+from bridgectl.cli.answer import next_steps
 from bridgectl.road import RoadProfile
 from bridgectl.road.iri import BASE, GOOD
 from bridgectl.road.limits import evenly_spaced, mean_step
 from bridgectl.road.psd import PsdFit
 from bridgectl.road.sampling import too_coarse
 
-MOST_SEGMENTS = 200
-"""How many segments of a road are listed."""
+MOST_SEGMENTS, FEW_TRACKS = 200, 8
+"""How many segments of a road are listed, and how many tracks without --full."""
 
 
 @dataclass(frozen=True)
@@ -68,8 +70,61 @@ def run_profile(args: argparse.Namespace) -> None:
     options.deliver(
         args, lambda: first.plot_roughness(*others, segment=args.segment),
         lambda: json.dumps(profile_json(tracks, args.segment), indent=1),
-        lambda: print_profile(tracks, args.segment),
+        lambda: _show(args, tracks),
     )  # fmt: skip
+
+
+def _show(args: argparse.Namespace, tracks: Sequence[TrackMeasures]) -> None:
+    """Print the verdict, what was measured, and what to type next."""
+    console = make_console()
+    for line in verdict(tracks, args.segment):
+        console.print(line)
+    console.print()
+    print_tracks(tracks if args.full else tracks[:FEW_TRACKS], full=args.full)
+    if args.full:
+        print_segments(tracks, args.segment)
+    elif (more := len(tracks) - FEW_TRACKS) > 0:
+        console.print(f"... and {more} more; --full has all")
+    print(next_steps(args))
+    given = [] if args.file is None else [args.file]
+    given += [] if args.units is None else ["--units", args.units]
+    print("\nWhat it does to a bridge:", shlex.join(["bridgectl", "dae", *given]))
+
+
+def verdict(tracks: Sequence[TrackMeasures], segment: float) -> list[str]:
+    """Return what is to be said first, of one track or of all."""
+    known = [track for track in tracks if track.good is not None]
+    good = [track for track in known if track.good]
+    if len(tracks) == 1 and known:
+        (track,) = known
+        of_class = f"ISO 8608 class {track.fit.iso_class}" if track.fit else "too short for a class"
+        lines = [
+            f"{track.road.name} is {track.verdict}: its IRI is {track.iri:.2f} m/km, and good "
+            f"roads stay below {GOOD:g}; {of_class}."
+        ]
+    elif known:
+        worst = max(known, key=lambda track: track.iri)
+        lines = [
+            f"{len(good) or 'None'} of {len(tracks)} tracks {'is' if len(good) < 2 else 'are'} "
+            f"good (an IRI below {GOOD:g} m/km); the roughest is {worst.road.name} with "
+            f"{worst.iri:.2f} m/km."
+        ]
+    else:
+        lines = []
+    if any(track.segments.size > 1 for track in known):
+        worst = max(known, key=lambda track: track.segments.max(initial=-1.0))
+        start = worst.road.x[0] + segment * int(worst.segments.argmax())
+        of = f" of {worst.road.name}" if len(tracks) > 1 else ""
+        lines.append(
+            f"The roughest {segment:g} m{of} begin at {start:.6g} m: {worst.segments.max():.2f} "
+            f"m/km."
+        )
+    if len(known) < len(tracks):
+        coarse = [track.road.name for track in tracks if track.good is None]
+        lines.append(
+            f"Measured too coarsely for an IRI or a class: {', '.join(coarse[:FEW_TRACKS])}."
+        )
+    return lines
 
 
 def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
@@ -99,22 +154,29 @@ def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
     return replace(track, fit=fit)
 
 
-def print_profile(tracks: Sequence[TrackMeasures], segment: float) -> None:
-    """Print what was measured of every track, and the IRI of its segments."""
-    console = make_console()
-    columns = ["track", "from [m]", "to [m]", "step [m]", "IRI [m/km]", "", "class",
-               "G_d [1e-6 m3]", "waviness"]  # fmt: skip
-    table = make_table("Roughness; G_d at 0.1 cycles/m", columns, ["track", "", "class"])
+def print_tracks(tracks: Sequence[TrackMeasures], *, full: bool = True) -> None:
+    """Print what was measured of every track; in full, with its spectrum."""
+    columns = ["track", "from [m]", "to [m]", "step [m]", "IRI [m/km]", "", "class"]
+    title = "Roughness"
+    if full:
+        columns, title = [*columns, "G_d [1e-6 m3]", "waviness"], f"{title}; G_d at 0.1 cycles/m"
+    table = make_table(title, columns, ["track", "", "class"], short=not full)
     for track in tracks:
         road, fit = track.road, track.fit
         spectrum = ["-"] * 3
         if fit is not None:
             spectrum = [fit.iso_class, f"{1e6 * fit.roughness:.3g}", f"{fit.waviness:.2f}"]
-        table.add_row(
+        cells = [
             road.name, f"{road.x[0]:.6g}", f"{road.x[-1]:.6g}", f"{mean_step(road.x):.5g}",
             f"{track.iri:.3f}", track.verdict, *spectrum,
-        )  # fmt: skip
-    console.print(table)
+        ]  # fmt: skip
+        table.add_row(*cells[: len(columns)])
+    make_console().print(table)
+
+
+def print_segments(tracks: Sequence[TrackMeasures], segment: float) -> None:
+    """Print the IRI of all segments, if there are several."""
+    console = make_console()
     longest = max(tracks, key=lambda track: track.segments.size)
     if longest.segments.size < 2:
         return

@@ -17,23 +17,44 @@ STATION = 678.0
 """Where the bridge is in the measured road that comes with the program [m]."""
 
 
-def file_roads(args: argparse.Namespace, span: float, departure: float) -> list[bc.RoadProfile]:
-    """Roads of the files, under approach, bridge and departure [m], with names of their own."""
-    roads = []
+def file_roads(
+    args: argparse.Namespace, span: float, departure: float
+) -> tuple[list[bc.RoadProfile], list[str]]:
+    """Roads of the files, under approach, bridge and departure [m], with names of their own.
+
+    And where the bridge stands in each.
+    """
+    roads, places = [], []
     for path in _different(args.roads):
         whole = bc.read_profile(path, track=args.track, **options.file_arguments(args))
-        roads.append(options.place_road(args, whole, str(path), span, departure=departure)[0])
-    return _named_apart(roads, args.roads)
+        road, station = options.place_road(args, whole, str(path), span, departure=departure)
+        roads.append(road)
+        places.append(place_in_words(str(path), whole, station, span))
+    return _named_apart(roads, args.roads), places
 
 
-def measured_road(args: argparse.Namespace, span: float, departure: float) -> bc.RoadProfile:
-    """The road that comes with the program, under approach, bridge and departure [m]."""
+def measured_road(
+    args: argparse.Namespace, span: float, departure: float
+) -> tuple[list[bc.RoadProfile], list[str]]:
+    """The road that comes with the program, under approach, bridge and departure [m].
+
+    And where the bridge stands in it.
+    """
     options.refuse_file_options(args)
     whole = bc.utia_road()
     station = max(STATION, float(whole.x[0]) + args.approach)
-    return options.place_road(
+    road, station = options.place_road(
         args, whole, "that comes with the program", span, station=station, departure=departure
-    )[0]
+    )
+    return [road], [place_in_words(f"{whole.name}, which ships", whole, station, span)]
+
+
+def place_in_words(name: str, whole: bc.RoadProfile, station: float, span: float) -> str:
+    """Return where a bridge stands in a road."""
+    return (
+        f"Bridge at {station:g} to {station + span:g} m of {name} (measured from {whole.x[0]:g} "
+        f"to {whole.x[-1]:g} m)"
+    )
 
 
 def random_roads(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
+import sys
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
@@ -14,7 +15,8 @@ import bridgectl as bc
 from bridgectl import _checks as check
 from bridgectl._units import from_kmh
 from bridgectl.cli import bridges, options, roads
-from bridgectl.cli.effects import asked_effects
+from bridgectl.cli.answer import checked_modulus, next_steps
+from bridgectl.cli.effects import Asked, asked_effects
 from bridgectl.model.bridge import BridgeModel
 
 if TYPE_CHECKING:
@@ -49,28 +51,69 @@ def run_score(args: argparse.Namespace) -> None:
     beam, vehicle = bridges.make_bridge(args), cast(Any, options.make_vehicle(args))
     (asked,) = asked_effects(args, beam, vehicle)
     dampers = _dampers(args, beam, vehicle)
-    case = dampers, beam, vehicle, _roads(args, beam.length), speeds
+    driven, places = _roads(args, beam.length)
+    case = dampers, beam, vehicle, driven, speeds
     work = {
         "approach": args.approach, "section": args.section, "recovery": args.recovery,
         "resume": args.resume, "workers": args.workers, "scheduler": args.scheduler,
     }  # fmt: skip
-    found: Any
     with options.resumed(args.resume):
         if args.robust:
-            found = bc.robustness(*case, errors=kinds, **work)
+            _tell_robustness(args, asked, bc.robustness(*case, errors=kinds, **work))
         else:
-            found = bc.score(*case, departure=args.departure, clairvoyant=args.clairvoyant, **work)
+            _score(args, asked, case, work, places)
+
+
+def _tell_robustness(args: argparse.Namespace, asked: Asked, found: bc.Robustness) -> None:
+    """Print or draw a study of robustness."""
     from bridgectl.scoring.robust_text import print_robust
-    from bridgectl.scoring.text import print_score
 
     def show() -> None:
         print(f"Effect: {asked.told}")
-        (print_robust if args.robust else print_score)(found)
+        print_robust(found)
+
+    options.deliver(args, found.plot, lambda: _json(asked, found), show)
+
+
+def _score(
+    args: argparse.Namespace, asked: Asked, case: tuple[Any, ...], work: dict[str, Any],
+    places: list[str],
+) -> None:  # fmt: skip
+    """Score, and print the verdict as soon as it is known; DAE is found if it is asked for."""
+    from bridgectl.scoring.text import print_full, print_short, print_verdict
+
+    modulus = checked_modulus(args, [asked])
+
+    def tell(board: bc.Scoreboard) -> None:
+        print_verdict(board, modulus)
+        if not args.full:
+            print_short(board, modulus, places)
+        sys.stdout.flush()  # the rest may take longer
+
+    board = bc.score(
+        *case, departure=args.departure, clairvoyant=args.clairvoyant, **work,
+        dae=bool(args.full or args.json or args.plot or args.resume),
+        on_simulated=None if args.json else tell,
+    )  # fmt: skip
+
+    def show() -> None:
+        if args.full:
+            print_full(board, modulus, places)
+        print(next_steps(args))
 
     def results() -> str:
-        return json.dumps(json.loads(found.to_json()) | {"effect": asked.content}, indent=1)
+        stresses = {} if modulus is None else {
+            "mean_stress_N_per_m2": {
+                row.strategy: row.daf * board.static_peak / modulus for row in board.rows()
+            }
+        }  # fmt: skip
+        return _json(asked, board, **stresses)
 
-    options.deliver(args, found.plot, results, show)
+    options.deliver(args, board.plot, results, show)
+
+
+def _json(asked: Asked, found: bc.Scoreboard | bc.Robustness, **more: Any) -> str:
+    return json.dumps(json.loads(found.to_json()) | {"effect": asked.content, **more}, indent=1)
 
 
 def _checked_kinds(args: argparse.Namespace) -> list[str] | None:
@@ -79,6 +122,10 @@ def _checked_kinds(args: argparse.Namespace) -> list[str] | None:
         if args.errors is not None:
             raise ValueError("--errors goes with --robust: add it, or leave --errors out")
         return None
+    for option in ("full", "section_modulus"):
+        if getattr(args, option):
+            name = option.replace("_", "-")
+            raise ValueError(f"--{name} goes with a score, and --robust prints all: leave it out")
     if args.departure:
         raise ValueError("--robust looks at the bridge alone: leave --departure out")
     if args.clairvoyant:
@@ -191,18 +238,15 @@ def _chosen(
     return [strategy for name in names for strategy in known[name]]
 
 
-def _roads(args: argparse.Namespace, span: float) -> list[bc.RoadProfile]:
-    """The files, or else the measured road, and the random roads."""
+def _roads(args: argparse.Namespace, span: float) -> tuple[list[bc.RoadProfile], list[str]]:
+    """The files, or else the measured road, and the random roads; where the bridge is in files."""
     options.check_ramps("--approach", args.approach)
     options.check_ramps("--departure", args.departure)
     if args.random is not None:
         check.integer("--random", args.random, at_least=0)
-    own = (
-        roads.file_roads(args, span, args.departure)
-        if args.roads
-        else [roads.measured_road(args, span, args.departure)]
-    )
+    of_args = roads.file_roads if args.roads else roads.measured_road
+    own, places = of_args(args, span, args.departure)
     length = args.approach + span + args.departure
     number = args.random if args.random is not None else 20 if args.robust else 6
     random = roads.random_roads(RANDOM_CLASSES, number, args.approach, length)
-    return own + [road for of_class in random.values() for road in of_class]
+    return own + [road for of_class in random.values() for road in of_class], places

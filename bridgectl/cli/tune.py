@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -70,9 +71,8 @@ def _strategy(
     """The strategy that is asked for, with the gains where the search starts."""
     from bridgectl.dampers import library, program
 
-    known = {each.name.lower(): each
-             for each in library(beam, vehicle, c_min, c_max, section=args.section)[1:]
-             if each.gains and each.kept is None}  # fmt: skip
+    strategies = library(beam, vehicle, c_min, c_max, section=args.section)[1:]
+    known = {each.name.lower(): each for each in tunable(strategies)}
     name = None if args.strategy is None else " ".join(args.strategy.split()).lower()
     if name == PROGRAM:
         places = np.linspace(-min(args.approach, REACH), beam.length, args.places)
@@ -85,6 +85,11 @@ def _strategy(
     return known[name]
 
 
+def tunable(strategies: Iterable[Strategy]) -> list[Strategy]:
+    """Those with gains to tune, which no crossing sets itself."""
+    return [each for each in strategies if each.gains and each.kept is None]
+
+
 def _roads(
     args: argparse.Namespace, span: float
 ) -> tuple[list[bc.RoadProfile], list[bc.RoadProfile]]:
@@ -92,7 +97,7 @@ def _roads(
     options.check_ramps("--approach", args.approach)
     if not args.roads:
         options.refuse_file_options(args)
-    own = roads.file_roads(args, span, 0.0) if args.roads else []
+    own = roads.file_roads(args, span, 0.0)[0] if args.roads else []
     iso_class, number = getattr(args, "class"), args.random + args.held_out
     random = roads.random_roads(iso_class, number, args.approach, args.approach + span)[iso_class]
     return own + random[: args.random], random[args.random :]

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl.dampers.block import RATE_TIME, law_block
-from bridgectl.dampers.c_code import write_c
+from bridgectl.dampers.c_code import usage, write_c
 from bridgectl.dampers.expression import SAMPLE_TIME, at_sample, damping_function, depends
 from bridgectl.dampers.gains import (
     cases,
@@ -374,9 +374,8 @@ class Strategy:
 
         With states or preview it is ``damping(signals, gains, states, sample_time, ahead) -> (c,
         next_states)``: signals in the order of `signals`, gains and states in
-        that of `gains` and `states`, these as the last sample left them. What is no finite number
-        the function returns as it is: NaN or infinity. ``damping_work`` tells how much room it
-        needs, as of functions of CasADi.
+        that of `gains` and `states`, these as the last sample left them. The file opens with the
+        lines that call it. What is no finite number it returns as it is: NaN or infinity.
 
         Parameters
         ----------
@@ -395,4 +394,6 @@ class Strategy:
         OSError
             If the file cannot be written.
         """
-        return write_c(self.function, path)
+        title = f"{self.name}, a damping from {self.c_min:g} to {self.c_max:g} N s/m"
+        told = self.signals, self.used, self.gains, self.states, len(self.preview)
+        return write_c(self.function, path, usage(self.function, title, *told))

@@ -21,7 +21,7 @@ from bridgectl.fleet.assessment import Assessment
 from bridgectl.fleet.fleet import Fleet
 from bridgectl.fleet.gathered import Gathered
 from bridgectl.fleet.share import shapes, simulate_share
-from bridgectl.fleet.study import DamperOf, Study, checked_roads, checked_share
+from bridgectl.fleet.study import DamperOf, Roads, Study, checked_roads, checked_share
 from bridgectl.linear.lift_off import LiftOffWarning
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing, require_factor
@@ -37,9 +37,9 @@ FILE = Kind("an assessment", 1)
 def assess(
     bridge: BridgeModel,
     fleet: Fleet,
-    roads: Any,
+    roads: Roads,
     *,
-    effects: Any = "moment",
+    effects: Effect | str | Sequence[Effect | str] | Mapping[str, Effect | str] = "moment",
     n: int | None = None,
     approach: float = 100.0,
     damper: Dampers | DamperOf | None = None,
@@ -157,7 +157,7 @@ def _name(crossings: range) -> tuple[str, str]:
 
 
 def _study(
-    bridge: BridgeModel, fleet: Fleet, roads: Any, effects: Any, approach: float,
+    bridge: BridgeModel, fleet: Fleet, roads: Roads, effects: Any, approach: float,
     damper: Dampers | DamperOf | None, damper_share: float, meeting_rate: float, lane_factor: float,
     seed: int,
 ) -> tuple[Study, list[str]]:  # fmt: skip

@@ -10,7 +10,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ DamperOf = Callable[[BridgeModel, Vehicle], Dampers]
 """What chooses a damper for a bridge and a truck."""
 
 Road = RoadProfile | None
+Roads: TypeAlias = Road | Sequence[Road] | Mapping[str, Road | Sequence[Road]]
 """A road, or a smooth one."""
 
 DRAWN = 8
@@ -174,7 +175,7 @@ class Study:
         }
 
 
-def checked_roads(roads: Any, start: float, length: float) -> dict[str, dict[int, Road]]:
+def checked_roads(roads: Roads, start: float, length: float) -> dict[str, dict[int, Road]]:
     """Roads by the name of their quality, which cover approach and bridge."""
     given = roads if isinstance(roads, Mapping) else {"": roads}
     if not given:

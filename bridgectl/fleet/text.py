@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,6 +13,7 @@ from bridgectl._tables import make_console, make_table, printed
 from bridgectl._units import to_kmh
 from bridgectl.fleet.levels import Rule
 from bridgectl.fleet.tails import CONFIDENCE, METHODS, Estimate
+from bridgectl.fleet.verdict import Cell, cells_of, short_table, verdict
 
 # Assessment, whose module imports this one.
 Assessed: TypeAlias = Any
@@ -34,24 +36,42 @@ Differences of mean DAFs over the same trucks, with their {confidence:g} % inter
 
 
 def assessment_text(assessment: Assessed, return_period: float, options: dict[str, Any]) -> str:
-    """Return the tables of an assessment as text of 100 columns."""
+    """Return the verdict and the tables of an assessment as text of 100 columns."""
     return printed(print_assessment, assessment, return_period, options)
 
 
-def print_assessment(assessment: Assessed, return_period: float, options: dict[str, Any]) -> None:
+def print_assessment(
+    assessment: Assessed, return_period: float, options: dict[str, Any], *, full: bool = True,
+    section_modulus: float | None = None,
+) -> None:  # fmt: skip
+    """Print the verdict on an assessment, and its tables or a short one.
+
+    Of moments the stress is told there, too, if there is a section modulus [m^3].
+    """
+    console, cells = make_console(), cells_of(assessment, return_period, options)
+    for line in verdict(assessment, cells, return_period, options):
+        console.print(line)
+    console.print()
+    if full:
+        _print_tables(assessment, cells, return_period)
+        return
+    console.print(short_table(assessment, cells, return_period, section_modulus), "")
+    _print_reasons(cells, return_period)
+    console.print(_heading(assessment).rstrip())
+
+
+def _print_tables(assessment: Assessed, cells: Sequence[Cell], return_period: float) -> None:
     """Print the tables of an assessment and what they say."""
     console = make_console()
     console.print(_heading(assessment))
     damped = bool(assessment.columns["damped"].any())
-    asked = options.get("quality"), options.get("effect")
-    qualities = assessment.qualities if asked[0] is None else (asked[0],)
-    effects = assessment.effects if asked[1] is None else (asked[1],)
-    share = options.get("damper_share")
-    console.print(_daf_table(assessment, qualities, effects, share))
+    console.print(_daf_table(assessment, cells))
     console.print(DAF_NOTE, soft_wrap=True)
-    with_factor = [effect for effect in effects if np.any(assessment.columns[f"static {effect}"])]
-    _print_tails(assessment, qualities, with_factor, return_period, options)
+    _print_tails(cells, return_period)
     if len(assessment.qualities) > 1 or damped:
+        with_factor = dict.fromkeys(
+            cell.effect for cell in cells if np.any(assessment.columns[f"static {cell.effect}"])
+        )
         console.print(_influence_table(assessment, with_factor))
         console.print(INFLUENCE_NOTE.format(confidence=100 * CONFIDENCE), soft_wrap=True)
 
@@ -76,57 +96,44 @@ def _heading(assessment: Assessed) -> str:
     )
 
 
-def _daf_table(
-    assessment: Assessed, qualities: Any, effects: Any, damper_share: float | None
-) -> Table:
+def _daf_table(assessment: Assessed, cells: Sequence[Cell]) -> Table:
     columns = ["effect", "road", "crossings", "mean\nDAF", "5 %", "50 %", "95 %", "99 %",
                "largest", "least\nR"]  # fmt: skip
     table = make_table("Dynamic amplification", columns, ["effect", "road"])
-    for effect in effects:
-        for quality in qualities:
-            rows = assessment._rows(quality, damper_share)
-            daf = assessment.columns[f"daf {effect}"][rows]
-            quantiles = np.quantile(daf, [0.05, 0.5, 0.95, 0.99])
-            numbers = [daf.mean(), *quantiles, daf.max()]
-            least = assessment.columns["least_tire_force"][rows].min()
-            table.add_row(effect, quality, str(len(rows)), *(_known(each) for each in numbers),
-                          _known(least, 2))  # fmt: skip
+    for cell in cells:
+        quantiles = np.quantile(cell.daf, [0.05, 0.5, 0.95, 0.99])
+        numbers = [cell.daf.mean(), *quantiles, cell.daf.max()]
+        least = assessment.columns["least_tire_force"][cell.rows].min()
+        table.add_row(cell.effect, cell.quality, str(len(cell.rows)),
+                      *(_known(each) for each in numbers), _known(least, 2))  # fmt: skip
     return table
 
 
-def _print_tails(
-    assessment: Assessed, qualities: Any, effects: Any, return_period: float,
-    options: dict[str, Any],
-) -> None:  # fmt: skip
+def _print_tails(cells: Sequence[Cell], return_period: float) -> None:
     """Print characteristic effects; where there can be none, why."""
     console = make_console()
+    with_tail = [(cell, *cell.tail) for cell in cells if cell.tail is not None]
     columns = ["effect", "road", "unit", "total", "static", "ADR", "p"]
-    table = make_table(f"Effects of {return_period:g} years", columns, ["effect", "road", "unit"])
-    why: dict[str, None] = {}
-    rule: Rule | None = None
-    for effect in effects:
-        for quality in qualities:
-            own = options | {"effect": effect, "quality": quality}
-            try:
-                read = assessment._read(return_period, **own)
-                found = assessment.characteristic(return_period, **own)
-                ratio = assessment.adr(return_period, **own)
-            except ValueError as error:
-                why[str(error)] = None
-                continue
-            rule = read.rule
-            size, prefix = _size(found.total.value, read.unit)
+    if with_tail:
+        title = f"Effects of {return_period:g} years"
+        table = make_table(title, columns, ["effect", "road", "unit"])
+        for cell, found, ratio, _ in with_tail:
+            size, prefix = _size(found.total.value, cell.unit)
             p = " ".join(
                 "-" if fit is None or fit.scale == 0 else f"{fit.p_value():.2f}"
                 for fit in (found.total_fit, found.static_fit)
             )
-            table.add_row(effect, quality, prefix + read.unit, _told(found.total, size),
+            table.add_row(cell.effect, cell.quality, prefix + cell.unit, _told(found.total, size),
                           _told(found.static, size), _told(ratio), p)  # fmt: skip
-    if rule is not None:
         console.print(table)
-        console.print(_tail_note(rule), soft_wrap=True)
-    for line in why:
-        console.print(f"No effects of {return_period:g} years: {line}\n", soft_wrap=True)
+        console.print(_tail_note(with_tail[-1][-1]), soft_wrap=True)
+    _print_reasons(cells, return_period)
+
+
+def _print_reasons(cells: Sequence[Cell], return_period: float) -> None:
+    """Print why there are no characteristic effects."""
+    for line in dict.fromkeys(cell.why for cell in cells if cell.why):
+        make_console().print(f"No effects of {return_period:g} years: {line}\n", soft_wrap=True)
 
 
 def _tail_note(rule: Rule) -> str:

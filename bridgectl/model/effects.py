@@ -52,6 +52,11 @@ def as_effect(
         },
         "acceleration": BodyAcceleration(),
     }
+    if isinstance(effect, Mapping):
+        raise TypeError(
+            f"effect must be one effect, or in daf and peak_effect a list, got {effect!r}: type "
+            "there effect=list(effects.values()), and in crossing_response effects=effects"
+        )
     if not isinstance(effect, str):
         raise TypeError(
             f"effect must be one of {', '.join(map(repr, named))}, or as Moment(at=12.5), got "

@@ -366,7 +366,8 @@ class ModalBridge:
         names = ", ".join(map(told, self._effects)) or "none"
         raise ValueError(
             f"the bridge tells no {quantity!r} at section {at:g}, its effects are {names}: type "
-            f"effects={{({quantity!r}, {at:g}): (places, influence, modal)}}"
+            f"effects={{({quantity!r}, {at:g}): (places, influence, modal)}}, or ask for what it "
+            "tells without, as effect=bridgectl.Deflection()"
         )
 
     def _checked_masses(self, given: ArrayLike | None, per_length: ArrayLike | None) -> FloatArray:

@@ -35,6 +35,11 @@ class Motion:
         If an argument is no number, the speed not above 0 m/s, or the places do not increase or do
         not fit the accelerations.
 
+    Notes
+    -----
+    Braking puts load on the front axles of trucks that tell how high their bodies are, by `height`
+    of `bridgectl.trucks.Body` or `half_car`; those of the catalog do not.
+
     Examples
     --------
     A truck that brakes by 3 m/s^2:

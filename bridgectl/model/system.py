@@ -32,7 +32,8 @@ def crossing_system(
     works in `control.interconnect`, in `control.linearize(sys, 0, t=...)` (frozen-time poles
     and Bode plots) and in `control.input_output_response`. Give the last one tolerances,
     ``solve_ivp_kwargs=dict(rtol=1e-9, atol=1e-12)``: at its defaults the DAF at 110 km/h
-    comes out as 1.136 instead of 1.130, which is more than a unit ramp changes.
+    comes out as 1.136 instead of 1.130, which is more than a unit ramp changes. `control.lqr` and
+    `control.lqe` want a bridge with a `damping_ratio`: undamped modes have no such regulator.
 
     Parameters
     ----------

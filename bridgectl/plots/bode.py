@@ -27,7 +27,7 @@ way: read from here they turn it as those of a bridge with the slightest damping
 TURN, ROUNDS, FIRST = 0.5, 40, 400
 """Largest change of phase between frequencies [rad], halvings at most, frequencies at first."""
 
-MOST_NAMED, WIDEST, THINNEST = 8, 5.0, 1.2
+MOST_NAMED, WIDEST, THINNEST = 8, 5.0, 1.6
 """Places that get a name each, not a colour bar; widths of lines [points]."""
 
 FAINT = 200.0

@@ -16,10 +16,11 @@ from bridgectl.road.iso8608 import iso8608_elevations
 from bridgectl.road.iso8608 import iso8608_profile as iso8608_profile
 from bridgectl.road.profile import RoadProfile as RoadProfile
 from bridgectl.road.shapes import bump, plank, ramp, settlement, step
+from bridgectl.road.survey import surveyed_profile
 
 __all__ = [
     "add_events", "bump", "iso8608_elevations", "plank", "ramp", "settlement", "shaping_filter",
-    "step", "tire_footprint",
+    "step", "surveyed_profile", "tire_footprint",
 ]  # fmt: skip
 
 

@@ -14,13 +14,16 @@ from numpy.typing import NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
-from bridgectl._units import to_kmh
+from bridgectl._labelled import Labelled
+from bridgectl._units import in_name, to_kmh
 from bridgectl._version import __version__
 from bridgectl.model.bridge import BridgeModel, described
+from bridgectl.model.bridge_effects import Moment
+from bridgectl.model.crossing import Crossing
+from bridgectl.model.effect import Effect
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.scoring.agreement import (
-    LEAST_GAP,
     GapClosed,
     Paired,
     agreement,
@@ -30,12 +33,14 @@ from bridgectl.scoring.agreement import (
     pairs_in_order,
     rank_correlation,
 )
+from bridgectl.scoring.labelled import labelled_scores
 from bridgectl.scoring.rows import CLASS_DAE, EQ_15, MEASURES, ClassRow, Ranking, Row
 from bridgectl.scoring.study import parameters
 from bridgectl.scoring.text import score_text
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
     from matplotlib.figure import Figure
 
     from bridgectl.surface.surface import RampSurface
@@ -76,6 +81,8 @@ class Scoreboard:
         road known: see `bridgectl.scoring.rows.MEASURES`; empty if it was not asked for. And
         'daf_bound', which no damping that is held 10 ms goes below, if control begins at the bridge
         (approach 0), else NaN: see `bridgectl.dampers.damper_bound`.
+    effect : Effect
+        The load effect that DAF and DAE are of.
 
     Examples
     --------
@@ -103,6 +110,12 @@ class Scoreboard:
     road_classes: tuple[str, ...] = ()
     surfaces: Mapping[str, tuple[RampSurface, ...]] = field(default_factory=dict, repr=False)
     optimum: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
+    effect: Effect = field(default_factory=Moment, repr=False)
+
+    @property
+    def static_peak(self) -> float:
+        """Largest effect, or smallest, as the vehicle creeps across [unit of the effect]."""
+        return Crossing(self.beam, self.vehicle, self.effect).static_peak
 
     def __repr__(self) -> str:
         kmh = to_kmh(self.speeds)
@@ -220,7 +233,8 @@ class Scoreboard:
         -------
         list of Ranking
             Of all roads the mean DAE of Eq. (15); of each class that, the mean of second order
-            over the class and its spread, the latter beside the spread of the simulated DAF.
+            over the class and its spread, the latter beside the spread of the simulated DAF. Empty
+            without DAE.
         """
         return list(self._rankings)
 
@@ -228,6 +242,8 @@ class Scoreboard:
     def _rankings(self) -> list[Ranking]:
         """What text, figure and JSON ask for: each draws the roads again and again."""
         daf, dae = self.values["daf"], self.values["dae"]
+        if np.isnan(dae).all():
+            return []
         found = [self._ranking(EQ_15, "all", dae, daf)]
         for name in self.surfaces:
             of_class = self._roads_of(name)
@@ -279,36 +295,44 @@ class Scoreboard:
         )
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return every measure as a table, one row for each strategy, road and speed.
+        """Return every measure as a table, one row for each strategy, road and speed [m/s].
 
         If the optimum is known, with its DAF and how much of the gap to it is closed (NaN where it
-        is below 0.002).
+        is below 0.002). Units are in ``attrs["units"]``.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        return self._labelled.table()
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return what `to_pandas` does as labelled arrays, each with its unit.
+
+        Returns
+        -------
+        xarray.Dataset
+            Over 'strategy', 'road' and 'speed' [m/s].
 
         Raises
         ------
         ImportError
-            If pandas is not installed.
+            If xarray is not installed; the message says what to type.
         """
-        import pandas as pd
+        return self._labelled.dataset()
 
-        index = pd.MultiIndex.from_product(
-            [self.strategies, self.roads, self.speeds], names=["strategy", "road", "speed"]
-        )
-        columns = dict(self.values)
-        if self.optimum:
-            daf, best = self.values["daf"], self.optimum["daf"]
-            gap = np.where(abs(daf[0] - best) < LEAST_GAP, np.nan, daf[0] - best)
-            columns["daf_optimum"] = np.broadcast_to(best, daf.shape)
-            columns["gap_closed"] = (daf[0] - daf) / gap
-            if "daf_bound" in self.optimum:
-                columns["daf_bound"] = np.broadcast_to(self.optimum["daf_bound"], daf.shape)
-        return pd.DataFrame({name: v.ravel() for name, v in columns.items()}, index)
+    @property
+    def _labelled(self) -> Labelled:
+        axes = {"strategy": self.strategies, "road": self.roads, "speed": self.speeds}
+        return labelled_scores(axes, self.values, self.optimum)
 
     def to_json(self) -> str:
         """Return all of it as JSON, with units in the names."""
+        static = self.static_peak
         rows = [
             {
                 **row._asdict(),
+                f"peak_{in_name(self.effect.unit)}": row.daf * static,
                 "daf_difference": row.daf_difference._asdict(),
                 "gap_closed": row.gap_closed._asdict(),
             }
@@ -323,6 +347,7 @@ class Scoreboard:
             "roads": self.roads,
             "speed_m_per_s": self.speeds.tolist(),
             "approach_m": self.approach,
+            f"static_peak_{in_name(self.effect.unit)}": static,
             "measures": MEASURES,
             "summary": rows,
             "values": {name: values.tolist() for name, values in self.values.items()},

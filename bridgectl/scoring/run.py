@@ -1,15 +1,17 @@
 """The score: what damper strategies do to a bridge, and to road, ride and suspension beside it.
 
-Each strategy runs over the same roads at the same speeds, next to its own unit ramps: one run gives
-the DAE of Eq. (15), the simulated DAF, and the measures of tire force and ride. Ramps down and up,
-of the height of the roads' classes, give the DAE of second order, over each class and of each road.
+Each strategy runs over the same roads at the same speeds, which gives the simulated DAF, and the
+measures of tire force and ride: the verdict, which comes first. Then its own unit ramps give the
+DAE of Eq. (15). Ramps down and up, of the height of the roads' classes, give the DAE of second
+order, over each class and of each road.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +24,7 @@ from bridgectl._progress import shows
 from bridgectl._threads import on_one_thread
 from bridgectl._workers import check_workers, keep_missing
 from bridgectl.dampers.fitted import Dampers, Fitted
-from bridgectl.dampers.loop.damped import RampsAndRoads, ramps_and_roads
+from bridgectl.dampers.loop.damped import ramps_and_roads
 from bridgectl.dampers.loop.work import require_loop
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.crossing import make_crossing, require_factor
@@ -46,6 +48,7 @@ from bridgectl.scoring.simulated import (
 )
 from bridgectl.scoring.study import (
     ROADS_AT_ONCE,
+    UNIT_RAMPS,
     Piece,
     Study,
     checked_devices,
@@ -59,11 +62,13 @@ from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH, RampGrid
 from bridgectl.surface.histories import FeedbackHistories
 from bridgectl.surface.surface import RampSurface
 
-KIND = Kind("a score", 3)
+KIND = Kind("a score", 4)
 """What files of scores in progress are called, and the version of their format."""
 
 UNIT = "unit ramps"
 """What a part has until the DAE is made of it."""
+
+Tasks: TypeAlias = dict[tuple[str, str], tuple[Study, Fitted | Bounds, Piece]]
 
 
 def score(
@@ -79,6 +84,8 @@ def score(
     recovery: str = "exact",
     effect: Effect | str = "moment",
     clairvoyant: bool = False,
+    dae: bool = True,
+    on_simulated: Callable[[Scoreboard], object] | None = None,
     resume: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
@@ -109,6 +116,12 @@ def score(
         within the range of all strategies together), and how much of the gap to it each strategy
         closes: some seconds a crossing. With an approach of 0 the optimum is bounded, too
         (`bridgectl.dampers.damper_bound`).
+    dae : bool, optional
+        Whether to find the DAE, too, which takes two thirds of the time; without it, what the board
+        has of DAE is NaN, and there are no surfaces.
+    on_simulated : callable, optional
+        Called with the board without DAE as soon as that is known, to show it while the rest is
+        done.
     resume : path-like, optional
         A file that keeps each part of the work when it is done. Parts of the same study that it
         holds are not done again, and those of other strategies and roads stay in it. A last line
@@ -162,6 +175,12 @@ def score(
     """
     check.flag("progress", progress)
     check.flag("clairvoyant", clairvoyant)
+    check.flag("dae", dae)
+    if not (on_simulated is None or callable(on_simulated)):
+        raise TypeError(
+            f"on_simulated must be a function of a scoreboard, got {on_simulated!r:.40}: type "
+            "on_simulated=print"
+        )
     check_workers(workers, scheduler)
     check_resume(resume, "score.jsonl")
     crossing = make_crossing(beam, vehicle, effect, section, recovery)
@@ -175,36 +194,41 @@ def score(
         n_ramps=study.n_ramps + len(study.classes) * n_class_ramps(study.n_ramps),
         n_recorded=len(RECORDED), at_once=ROADS_AT_ONCE, announced=not shows(progress),
     )  # fmt: skip
-    tasks: dict[tuple[str, str], tuple[Study, Fitted | Bounds, Piece]] = {
-        (task_name(device, piece, len(roads)), key(device, study, piece)):
-        (study.share(piece), device, piece)
-        for device in devices
-        for piece in study.pieces
-    }  # fmt: skip
+
+    def tasks_of(pieces: Sequence[Piece]) -> Tasks:
+        return {
+            (task_name(device, piece, len(roads)), key(device, study, piece)):
+            (study.share(piece), device, piece)
+            for device in devices
+            for piece in pieces
+        }  # fmt: skip
+
+    simulations, ramps = tasks_of(study.of_roads), tasks_of(study.of_ramps if dae else [])
+    tasks = simulations | ramps
     shapes = {task: _shapes(study, piece) for task, (_, _, piece) in tasks.items()}
     bounds, optima = bounds_of(devices), []
     for i in range(len(roads) if clairvoyant else 0):
         own = study.of_road(i)
         optima.append((f"clairvoyant, road {i + 1}", optimum_key(own, bounds)))
-        tasks[optima[-1]] = own, bounds, i
+        simulations[optima[-1]] = own, bounds, i
         shapes[optima[-1]] = dict.fromkeys(OPTIMUM, (1, len(study.speeds)))
     with Parts(resume, header(study), shapes, KIND) as parts:
-        keep_missing(
-            parts, _part, tasks, "Scoring strategies", "parts", workers, scheduler,
-            progress=progress, finish=partial(_with_dae, study),
-        )  # fmt: skip
-        done = {
-            (device.name, piece): parts[task]
-            for task, (_, device, piece) in tasks.items()
-            if isinstance(device, Fitted)
-        }
-        of_roads = [parts[task] for task in optima]
-    optimum = {
-        name: np.concatenate([part[name] for part in of_roads]) for name in OPTIMUM if of_roads
-    }
-    if optimum:
-        optimum[BOUND] = np.where(optimum[BOUND] == 0, np.nan, optimum[BOUND])
-    return _scoreboard(study, devices, roads, done, optimum)
+
+        def board() -> Scoreboard:
+            done = {
+                (device.name, piece): parts[task]
+                for task, (_, device, piece) in tasks.items()
+                if isinstance(device, Fitted) and task in parts
+            }
+            return _scoreboard(study, devices, roads, done, [parts[task] for task in optima])
+
+        work: dict[str, Any] = {"progress": progress, "finish": partial(_with_dae, study)}
+        where = "parts", workers, scheduler
+        keep_missing(parts, _part, simulations, "Scoring strategies", *where, **work)
+        if on_simulated is not None:
+            on_simulated(board())
+        keep_missing(parts, _part, ramps, "Ramps of strategies", *where, **work)
+        return board()
 
 
 def _scoreboard(
@@ -212,16 +236,20 @@ def _scoreboard(
     devices: Sequence[Fitted],
     roads: Sequence[RoadProfile],
     done: Mapping[tuple[str, Piece], Part],
-    optimum: Part,
+    of_roads: Sequence[Part],
 ) -> Scoreboard:
-    """Put the parts together, by strategy and piece."""
+    """Put the parts together, by strategy and piece, as far as they are done."""
     names = tuple(device.name for device in devices)
-    of_roads = [piece for piece in study.pieces if isinstance(piece, int)]
     own = {
-        key: np.array([np.concatenate([done[name, i][key] for i in of_roads]) for name in names])
+        key: np.array([
+            np.concatenate([done[name, i][key] for i in study.of_roads]) for name in names
+        ])
         for key in (*SIMULATED, "fourth_power_95")
-    }
-    own |= {key: np.array([done[name, 0][key] for name in names]) for key in ("dae", "daf_smooth")}
+    }  # fmt: skip
+    ramps = [done.get((name, UNIT_RAMPS), {}) for name in names]
+    for name, shape in _ramp_shapes(study).items():
+        unknown = np.full(shape, np.nan)
+        own[name] = np.array([part.get(name, unknown) for part in ramps])
     surfaces = {
         each: tuple(
             class_surface(study.crossing, name, study.speeds, study.positions, each,
@@ -229,14 +257,20 @@ def _scoreboard(
             for name in names
         )
         for each in study.classes
+        if (names[0], each) in done
     }  # fmt: skip
     own["dae_2"] = _second_order(study, surfaces, own["dae"].shape)
+    optimum = {
+        name: np.concatenate([part[name] for part in of_roads]) for name in OPTIMUM if of_roads
+    }
+    if optimum:
+        optimum[BOUND] = np.where(optimum[BOUND] == 0, np.nan, optimum[BOUND])
     return Scoreboard(
         names, tuple(np.nan if device.constant is None else device.constant for device in devices),
         tuple(road.name or f"road {i}" for i, road in enumerate(roads, 1)), study.speeds,
         {name: own[name] for name in MEASURES}, own["daf_smooth"], own["fourth_power_95"],
         study.beam, study.vehicle, study.approach,
-        study.road_classes, surfaces, optimum,
+        study.road_classes, surfaces, optimum, study.crossing.effect,
     )  # fmt: skip
 
 
@@ -253,28 +287,32 @@ def _second_order(
 
 
 def _part(study: Study, damper: Fitted | Bounds, piece: Piece) -> Part:
-    """Score one strategy on a class, or on the study's roads: arrays (roads, speeds) of measures.
+    """Score one strategy on the study's roads, arrays (roads, speeds) of measures, or its ramps.
 
     Of bounds: find the optimum on the study's only road.
 
-    With the first roads come the surface's DAFs, of which `_with_dae` makes the DAE of all roads.
+    Of unit ramps there are the surface's DAFs, of which `_with_dae` makes the DAE of all roads.
     """
     if isinstance(damper, Bounds):
         return optimum_part(study, damper)
+    if piece == UNIT_RAMPS:
+        return _unit_ramps(study, damper)
     if isinstance(piece, str):
         return class_part(study.crossing, damper, study.speeds, study.approach, piece)
-    ramps = np.arange(study.n_ramps if piece == 0 and damper.kept is None else 0)
     run = ramps_and_roads(
-        study.crossing, damper, study.speeds, study.stations, ramps,
-        np.full(ramps.size, RAMP_HEIGHT), study.elevations, RECORDED,
+        study.crossing, damper, study.speeds, study.stations, np.arange(0), np.zeros(0),
+        study.elevations, RECORDED,
     )  # fmt: skip
-    part = simulated(study, damper, run)
-    return part if piece else part | _unit_ramps(study, damper, run)
+    return simulated(study, damper, run)
 
 
-def _unit_ramps(study: Study, damper: Fitted, run: RampsAndRoads) -> Part:
+def _unit_ramps(study: Study, damper: Fitted) -> Part:
     """DAF of the smooth road and of unit ramps."""
     if damper.kept is None:
+        run = ramps_and_roads(
+            study.crossing, damper, study.speeds, study.stations, np.arange(study.n_ramps),
+            np.full(study.n_ramps, RAMP_HEIGHT), study.elevations,
+        )  # fmt: skip
         return {"daf_smooth": run.smooth, UNIT: run.unit}
     surface = ramp_surface(  # exact, and quick
         study.beam, study.vehicle, study.speeds, approach=study.approach,
@@ -285,7 +323,7 @@ def _unit_ramps(study: Study, damper: Fitted, run: RampsAndRoads) -> Part:
 
 @on_one_thread  # sums over threads differ in the last digits
 def _with_dae(study: Study, part: Part) -> Part:
-    """Put the DAE of all roads in the place of the DAFs of unit ramps, if a part has them."""
+    """Put the DAE of all roads in the place of the DAFs of unit ramps, if a part is of these."""
     if UNIT not in part:
         return part
     grid = RampGrid(study.approach, RAMP_LENGTH, RAMP_HEIGHT, study.n_ramps)
@@ -293,15 +331,20 @@ def _with_dae(study: Study, part: Part) -> Part:
         study.crossing, study.speeds, part["daf_smooth"], part[UNIT][np.newaxis],
         FeedbackHistories(""),
     )  # fmt: skip
-    own = {name: values for name, values in part.items() if name not in (UNIT, "daf_smooth")}
-    return own | {"dae": surface.dae(study.under_ramps), "daf_smooth": surface.daf_smooth}
+    return {"dae": surface.dae(study.under_ramps), "daf_smooth": surface.daf_smooth}
 
 
 def _shapes(study: Study, piece: Piece) -> Shapes:
     """Names and shapes of a part's arrays."""
-    n_roads, n_speeds = len(study.elevations), len(study.speeds)
+    if piece == UNIT_RAMPS:
+        return _ramp_shapes(study)
     if isinstance(piece, str):
-        return class_shapes(n_speeds, study.n_ramps)
+        return class_shapes(len(study.speeds), study.n_ramps)
     own = len(study.share(piece).elevations)
-    shapes = {**dict.fromkeys(SIMULATED, (own, n_speeds)), "fourth_power_95": (own,)}
-    return shapes if piece else shapes | {"dae": (n_roads, n_speeds), "daf_smooth": (n_speeds,)}
+    return {**dict.fromkeys(SIMULATED, (own, len(study.speeds))), "fourth_power_95": (own,)}
+
+
+def _ramp_shapes(study: Study) -> dict[str, tuple[int, ...]]:
+    """Names and shapes of what `_with_dae` makes of unit ramps."""
+    n_speeds = len(study.speeds)
+    return {"dae": (len(study.elevations), n_speeds), "daf_smooth": (n_speeds,)}

@@ -34,7 +34,10 @@ ROADS_AT_ONCE = 50
 """Roads of one part of the work: what an interruption may cost, and memory for histories."""
 
 Piece = int | str
-"""A part of the work: the first of some roads, or a road class."""
+"""A part of the work: the first of some roads, a road class, or `UNIT_RAMPS`."""
+
+UNIT_RAMPS = "unit ramps"
+"""The part of the work that gives the DAE of all roads."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +91,7 @@ class Study:
         return with_surface(self.road_classes, self.n_ramps)
 
     def share(self, piece: Piece) -> Study:
-        """What a piece needs of the study: its own roads, of a class none."""
+        """What a piece needs of the study: its own roads, of ramps none."""
         own = slice(0) if isinstance(piece, str) else slice(piece, piece + ROADS_AT_ONCE)
         return dataclasses.replace(self, elevations=self.elevations[own])
 
@@ -97,9 +100,14 @@ class Study:
         return dataclasses.replace(self, elevations=self.elevations[i : i + 1])
 
     @property
-    def pieces(self) -> list[Piece]:
-        """What is done at once of each strategy."""
-        return [*range(0, len(self.elevations), ROADS_AT_ONCE), *self.classes]
+    def of_roads(self) -> list[int]:
+        """What is simulated at once of each strategy."""
+        return list(range(0, len(self.elevations), ROADS_AT_ONCE))
+
+    @property
+    def of_ramps(self) -> list[str]:
+        """What DAE takes of each strategy beside that."""
+        return [UNIT_RAMPS, *self.classes]
 
 
 def _listed(value: object) -> bool:
@@ -174,10 +182,9 @@ def _require_different(roads: Sequence[RoadProfile], elevations: FloatArray) -> 
 
 def task_name(device: Fitted, piece: Piece, n_roads: int) -> str:
     """What a piece of the work is called."""
-    what = f"class {piece}" if isinstance(piece, str) else (
-        f"roads {piece + 1} to {min(piece + ROADS_AT_ONCE, n_roads)}"
-    )  # fmt: skip
-    return f"{device.name}, {what}"
+    if isinstance(piece, int):
+        return f"{device.name}, roads {piece + 1} to {min(piece + ROADS_AT_ONCE, n_roads)}"
+    return f"{device.name}, {piece if piece == UNIT_RAMPS else f'class {piece}'}"
 
 
 def header(study: Study) -> dict[str, Any]:
@@ -205,10 +212,10 @@ def parameters(vehicle: Vehicle | QuarterCar) -> dict[str, Any]:
 
 
 def key(device: Fitted, study: Study, piece: Piece) -> str:
-    """Tell dampers, and the roads if the piece is of them, from others: their text, shortened."""
+    """Tell dampers, and roads if the piece is of them or their DAE, from others."""
     told = told_of(device, study.speeds)
     text = json.dumps(told if len(told) > 1 else told[0])
     whole = hashlib.sha256(text.encode())
-    if not isinstance(piece, str):
+    if piece not in study.classes:
         whole.update(np.ascontiguousarray(study.elevations).tobytes())
     return whole.hexdigest()[:16]

@@ -11,8 +11,10 @@ from rich.table import Table
 
 from bridgectl._tables import make_console, make_table, printed
 from bridgectl._units import to_kmh
+from bridgectl.model.words import Amounts, crossing_in_words, effect_in_words
 from bridgectl.scoring.agreement import CONFIDENCE, Paired
 from bridgectl.scoring.rows import CLASS_DAE, ClassRow, Ranking, Row
+from bridgectl.scoring.verdict import amounts_of, counted, picked, short_table, verdict
 
 # Scoreboard, whose module imports this one.
 Board: TypeAlias = Any
@@ -21,9 +23,9 @@ NAMED_ROADS = 4
 """Roads that the heading names."""
 
 BRIDGE_NOTE = """\
-DAF: peak bending moment over the static one; its mean, and that of the worst speed. difference: to
-{first}, over the same roads, with its {confidence:g} % confidence interval; clear
-if that leaves out 0.
+DAF: {effect}, over the static one; its mean, and that of the worst speed.
+difference: to {first}, over the same roads, with its {confidence:g} % confidence interval;
+clear if that leaves out 0.
 """
 
 ROAD_NOTE = """\
@@ -67,16 +69,53 @@ the same roads, those that the estimate has in the right order.
 
 
 def score_text(board: Board) -> str:
-    """Return the tables of a scoreboard and what they say, as text of 100 columns."""
-    return printed(print_score, board)
+    """Return the verdict and the tables of a scoreboard, as text of 100 columns."""
+    return printed(_print_all, board)
 
 
-def print_score(board: Board) -> None:
-    """Print the tables of a scoreboard and what they say."""
-    console, rows, first = make_console(), board.rows(), board.strategies[0]
-    console.print(_heading(board))
-    console.print(_bridge_table(rows, first))
-    note = BRIDGE_NOTE.format(first=first, confidence=100 * CONFIDENCE)
+def _print_all(board: Board) -> None:
+    print_verdict(board)
+    print_full(board)
+
+
+def print_verdict(board: Board, section_modulus: float | None = None) -> None:
+    """Print what is to be said first; of moments the stress, too, if there is a modulus [m^3]."""
+    console = make_console()
+    for line in verdict(board, amounts_of(board, section_modulus)):
+        console.print(line)
+    console.print()
+
+
+def print_short(
+    board: Board, section_modulus: float | None = None, notes: Sequence[str] = ()
+) -> None:
+    """Print the table that comes with the verdict, and what was simulated, with notes."""
+    console, rows = make_console(), board.rows()
+    few = picked(board, rows)
+    console.print(short_table(board, few, amounts_of(board, section_modulus)), "")
+    if board.optimum:
+        console.print(_optimum_table(board, few))
+    more = len(rows) - len(few)
+    left_out = f"; the table leaves out {more} strategies" if more else ""
+    console.print(_studied(board) + left_out)
+    console.print(crossing_in_words(board.beam, board.vehicle), *notes, sep="\n")
+
+
+def print_full(
+    board: Board, section_modulus: float | None = None, notes: Sequence[str] = ()
+) -> None:
+    """Print what was simulated, with notes, and every table."""
+    make_console().print(_heading(board), *notes, "", sep="\n")
+    _print_tables(board, board.rows(), amounts_of(board, section_modulus))
+
+
+def _print_tables(board: Board, rows: Sequence[Row], amounts: Amounts) -> None:
+    """Print every table, and what it says."""
+    console, first = make_console(), board.strategies[0]
+    console.print(_bridge_table(board, rows, amounts))
+    note = BRIDGE_NOTE.format(
+        effect=effect_in_words(board.effect), first=first, confidence=100 * CONFIDENCE
+    )
     console.print(note, soft_wrap=True)
     if board.optimum:
         console.print(_optimum_table(board, rows))
@@ -84,9 +123,11 @@ def print_score(board: Board) -> None:
         console.print(note + _bound_note(board), soft_wrap=True)
     console.print(_road_table(rows, first))
     console.print(ROAD_NOTE, soft_wrap=True)
+    rankings = board.rankings()
+    if not rankings:
+        return
     console.print(_dae_table(rows, first))
     console.print(DAE_NOTE, soft_wrap=True)
-    rankings = board.rankings()
     if board.surfaces:
         names = list(board.surfaces)
         for i in range(0, len(names), 2):
@@ -95,7 +136,7 @@ def print_score(board: Board) -> None:
     if len(rows) > 1:
         console.print(_ranking_table(rankings))
         console.print(RANKING_NOTE.format(confidence=100 * CONFIDENCE), soft_wrap=True)
-    for line in [*_daf_sentences(board, rows), *dae_sentences(board, rankings)]:
+    for line in dae_sentences(board, rankings):
         console.print(line)
 
 
@@ -166,31 +207,7 @@ def _level_sentence(rows: Sequence[Row]) -> str:
     )
 
 
-def _daf_sentences(board: Board, rows: Sequence[Row]) -> list[str]:
-    best, first = rows[0], board.strategies[0]
-    if len(rows) == 1:
-        return []
-    if len(board.roads) == 1:
-        return ["A single road gives no confidence intervals: --random N adds roads."]
-    if best.strategy == first:
-        return [f"No strategy has a lower mean DAF than {first}."]
-    low, high = sorted(abs(end) for end in best.daf_difference[1:])
-    sure = (
-        f"{100 * CONFIDENCE:g} % confidence: {low:.3f} to {high:.3f}"
-        if best.daf_difference.clear
-        else "not clearly: other roads may turn it round"
-    )
-    lines = [
-        f"Lowest mean DAF: {best.strategy}, {best.daf:.3f}, {-best.daf_difference.mean:.3f} below "
-        f"{first} ({sure})."
-    ]
-    flying = [row.strategy for row in rows if row.least_force <= 0]
-    if flying:
-        lines.append(f"A tire leaves the road with {', '.join(flying)}.")
-    return lines
-
-
-def _heading(board: Board) -> str:
+def _studied(board: Board) -> str:
     """What was simulated."""
     kmh = to_kmh(board.speeds)
     names = list(board.roads)
@@ -202,27 +219,29 @@ def _heading(board: Board) -> str:
     return (
         f"{counted(len(board.strategies), 'strategy', 'strategies')} on "
         f"{counted(len(board.roads), 'road', 'roads')} ({'; '.join(names)}),\n"
-        f"{speeds}, {board.approach:g} m of approach\n"
-        f"Bridge: {board.beam!r}\nVehicle: {board.vehicle!r}\n"
+        f"{speeds}, {board.approach:g} m of approach"
     )
 
 
-def counted(number: int, one: str, many: str) -> str:
-    """Return how many there are of something: '1 road', '2 roads'."""
-    return f"{number} {one if number == 1 else many}"
+def _heading(board: Board) -> str:
+    """What was simulated, to the last parameter."""
+    return f"{_studied(board)}\nBridge: {board.beam!r}\nVehicle: {board.vehicle!r}"
 
 
-def _bridge_table(rows: Sequence[Row], first: str) -> Table:
-    columns = ["strategy", "mean DAF", "difference", "from\n(95 %)", "to\n(95 %)",
-               "clear", "worst\nDAF", "at\nkm/h"]  # fmt: skip
+def _bridge_table(board: Board, rows: Sequence[Row], amounts: Amounts) -> Table:
+    columns = ["strategy", "mean DAF", "difference", "from\n(95 %)", "to\n(95 %)", "clear",
+               *(f"mean\n[{unit}]" for unit in amounts.units), "worst\nDAF",
+               "at\nkm/h"]  # fmt: skip
     table = make_table("The bridge: dynamic amplification", columns, ["strategy", "clear"])
+    first = board.strategies[0]
     for row in rows:
         cells = (
             ["-", "-", "-", ""] if row.strategy == first else difference_cells(row.daf_difference)
         )
+        mean = amounts.cells(row.daf * board.static_peak)
         worst = f"{row.worst_daf:.3f}", f"{to_kmh(row.worst_speed):g}"
         style = "bold" if row.strategy == first else None
-        table.add_row(row.strategy, f"{row.daf:.4f}", *cells, *worst, style=style)
+        table.add_row(row.strategy, f"{row.daf:.4f}", *cells, *mean, *worst, style=style)
     return table
 
 

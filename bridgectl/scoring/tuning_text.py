@@ -10,7 +10,8 @@ from rich.table import Table
 from bridgectl._tables import make_console, make_table, printed
 from bridgectl._units import to_kmh
 from bridgectl.scoring.agreement import CONFIDENCE
-from bridgectl.scoring.text import counted, difference_cells
+from bridgectl.scoring.text import difference_cells
+from bridgectl.scoring.verdict import counted
 
 # Tuning, whose module imports this one.
 Tuned: TypeAlias = Any

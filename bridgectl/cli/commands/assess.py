@@ -68,6 +68,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_option(random, "--classes", "A,B", f"of ISO 8608 (default {CLASSES}, without ROAD)")
     shared.add_option(random, "--random", "N", "of each class (default 20)", shared.as_whole, 20)
     bridge.add_bridge_options(parser, effects=True)
+    shared.add_stress_option(parser)
+    shared.add_full_option(parser)
     period = parser.add_argument_group("characteristic values")
     add = partial(shared.add_option, period)
     add("--return-period", "Y", "years (default 1000, of EN 1991-2; AASHTO has 75)",

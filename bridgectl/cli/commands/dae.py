@@ -8,7 +8,8 @@ from bridgectl.cli.commands import bridge, shared
 
 HELP = """\
 Place a bridge in a road and say how much the road amplifies the bending moment of a truck's
-crossing, or other load effects (--effect), at every speed:
+crossing, or other load effects (--effect), at every speed. First comes the verdict: the critical
+speed, how much the effect is there, and whether to trust the DAE; --full has all:
 
   DAF smooth      dynamic amplification factor (DAF) of a smooth road
   DAE             that, plus what each 100 mm ramp of the road adds on its own: the dynamic
@@ -38,6 +39,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_file_options(parser)
     shared.add_place_options(parser)
     bridge.add_bridge_options(parser, effects=True)
+    shared.add_stress_option(parser)
+    shared.add_full_option(parser)
     shared.add_vehicle_options(parser)
     shared.add_option(
         parser, "--acceleration", "A",

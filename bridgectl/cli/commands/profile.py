@@ -10,7 +10,7 @@ SEGMENT = 100.0
 """Segments of a road that get an IRI each [m]."""
 
 HELP = """\
-Measure the tracks of a road file:
+Measure the tracks of a road file, and say whether it is good and where it is roughest:
 
   IRI             International Roughness Index (ASTM E1926), of all and of each segment;
                   a road is good, in the sense of Li, OBrien and Gonzalez (2006), below 7 m/km
@@ -32,3 +32,4 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_file_options(parser)
     text = f"length over which IRIs are taken [m] (default {SEGMENT:g})"
     shared.add_option(parser, "--segment", "M", text, shared.as_number, SEGMENT)
+    shared.add_full_option(parser)

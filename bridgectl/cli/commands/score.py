@@ -8,7 +8,8 @@ from bridgectl.cli.commands import bridge, shared
 
 HELP = """\
 Score damper strategies for a bridge: the library of 14, and constant dampers between the same
-bounds, over the same roads and speeds. Prints, for each strategy:
+bounds, over the same roads and speeds. The verdict comes first: which one is best for the bridge,
+how surely, and at what price. With --full there is all of each strategy:
 
   the bridge      mean dynamic amplification factor (DAF) of the bending moment, its difference to
                   the vehicle's own passive damper with a 95 % confidence interval over the roads,
@@ -36,8 +37,8 @@ what it commands, and 'preview 10 m', which sees the road as far ahead.
 ROAD is delimited text, ERD text or OpenCRG, whose units the file states ('x [m], z [mm]') or
 --units tells; the file options hold for all of them. Without ROAD: a measured road that comes with
 the program. Beside the files there are --random N roads of ISO 8608 class A and N of class B, the
-same every time. Without options it takes a minute on two cores; --resume FILE keeps what is done
-when it is interrupted.
+same every time. The verdict takes some ten seconds on two cores; the DAE, for --full, --plot,
+--json and --resume, some twenty more. --resume FILE keeps what is done when it is interrupted.
 
 examples:
   bridgectl score --plot score.png
@@ -67,6 +68,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_option(robust, "--errors", "KIND,KIND", "what is wrong, as 'position,lag' (default "
                        "all that are known)")  # fmt: skip
     bridge.add_bridge_options(parser)
+    shared.add_stress_option(parser)
+    shared.add_full_option(parser)
     shared.add_vehicle_options(parser)
     work = parser.add_argument_group("work")
     shared.add_resume_option(work)

@@ -97,6 +97,18 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object instead")
 
 
+def add_full_option(parser: argparse.ArgumentParser) -> None:
+    """Add whether all is printed."""
+    text = "print every table in place of a short one after the verdict"
+    parser.add_argument("--full", action="store_true", help=text)
+
+
+def add_stress_option(parser: argparse.ArgumentParser) -> None:
+    """Add the section modulus."""
+    add_option(parser, "--section-modulus", "W", "of the fibre whose stress [MPa] is told beside "
+               "moments [m^3]", as_number)  # fmt: skip
+
+
 def add_hardware_options(group: argparse._ArgumentGroup) -> None:
     """Add the damper's range, and what makes it less than ideal."""
     for option, default, text in (

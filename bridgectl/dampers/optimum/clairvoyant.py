@@ -25,7 +25,7 @@ from itertools import product
 from typing import Any, NamedTuple, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
@@ -100,11 +100,20 @@ def clairvoyant(
 
 @overload
 def clairvoyant(
-    beam: BridgeModel, vehicle: Vehicle | QuarterCar, speed: ArrayLike,
+    beam: BridgeModel, vehicle: Vehicle | QuarterCar, speed: Sequence[float] | FloatArray,
     road: RoadProfile | Sequence[RoadProfile], c_min: float, c_max: float, *, start: float = ...,
     step: float = ..., section: float = ..., recovery: str = ..., effect: Effect | str = ...,
     ride: float | None = ..., workers: int | None = ..., progress: bool = ...,
-) -> Any: ...  # fmt: skip
+) -> NDArray[np.object_]: ...  # fmt: skip
+
+
+@overload
+def clairvoyant(
+    beam: BridgeModel, vehicle: Vehicle | QuarterCar, speed: float, road: Sequence[RoadProfile],
+    c_min: float, c_max: float, *, start: float = ..., step: float = ..., section: float = ...,
+    recovery: str = ..., effect: Effect | str = ..., ride: float | None = ...,
+    workers: int | None = ..., progress: bool = ...,
+) -> NDArray[np.object_]: ...  # fmt: skip
 
 
 def clairvoyant(
@@ -123,7 +132,7 @@ def clairvoyant(
     ride: float | None = None,
     workers: int | None = None,
     progress: bool = True,
-) -> Any:
+) -> Clairvoyant | NDArray[np.object_]:
     """Find the dampings that give a crossing its least peak moment, all of the road known.
 
     A reference line for strategies, not a controller: no damper knows the road so well. It is the

@@ -132,6 +132,7 @@ def half_car(
     tire_stiffness: ArrayLike,
     damping: ArrayLike = 0.0,
     tire_damping: ArrayLike = 0.0,
+    height: float = 0.0,
 ) -> Vehicle:
     """Return a truck of two axles from numbers: heave and pitch of the body, bounce of the axles.
 
@@ -144,6 +145,9 @@ def half_car(
     axle_mass, suspension_stiffness, tire_stiffness, damping, tire_damping : float or array_like
         Of both axles, or of the front one and the rear one, shape (2,): [kg], [N/m], [N/m],
         [N s/m] and [N s/m]. Default: no damping.
+    height : float, optional
+        Of the body's centre of gravity above the road [m]. Without one a truck does not pitch as it
+        brakes.
 
     Returns
     -------
@@ -180,7 +184,7 @@ def half_car(
         Axle(place, **{key: values[i] for key, values in numbers.items()})
         for i, place in enumerate(where)
     ]
-    truck = rigid(Body(body_mass, inertia, axles))
+    truck = rigid(Body(body_mass, inertia, axles, height=height))
     judge_truck(truck)
     return truck
 
