@@ -219,7 +219,8 @@ def preview_hook(
     tire are taken for exact, the bridge's modes for those of the plan.
 
     The paper's truck and bridge, 60 m of approach, c from 1 to 30 kN s/m, samples 4 ms apart; mean
-    DAF over 40 random roads of each ISO class at 70, 90 and 108 km/h::
+    DAF over 40 random roads of each ISO class at 70, 90 and 108 km/h, by
+    `tests/benchmarks/rollout.py`::
 
                              class A                  class B
         passive 7 kN s/m     1.070   1.012   1.127    1.091   1.038   1.124
