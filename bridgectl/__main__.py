@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import signal
+
+from bridgectl._ctrl_c import leaving_at_ctrl_c
 
 
 def main() -> int:
     """Run a command: 130 after Ctrl-C, at which it leaves quietly, even while libraries load."""
     heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # not so under nohup
-    if heard:  # nothing is lost yet, and an exception might end in a library's own import
-        signal.signal(signal.SIGINT, lambda *_: os._exit(130))
-    from bridgectl.cli.main import main as run
-
-    if heard:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    with leaving_at_ctrl_c():
+        from bridgectl.cli.main import main as run
     try:
         return run()
     except KeyboardInterrupt:  # a second one

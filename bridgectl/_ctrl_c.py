@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -10,6 +11,25 @@ from contextlib import contextmanager
 
 MANAGER = "ExecutorManagerThread"
 """Name of joblib's thread that manages workers."""
+
+
+@contextmanager
+def leaving_at_ctrl_c() -> Iterator[None]:
+    """Leave quietly at a Ctrl-C, with status 130, where libraries load.
+
+    Nothing is lost yet, and an exception might end in a library's own import.
+    """
+    heard = (
+        threading.current_thread() is threading.main_thread()
+        and signal.getsignal(signal.SIGINT) is signal.default_int_handler  # not so under nohup
+    )
+    if heard:
+        signal.signal(signal.SIGINT, lambda *_: os._exit(130))
+    try:
+        yield
+    finally:
+        if heard:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def hear_no_manager() -> None:

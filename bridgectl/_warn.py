@@ -15,17 +15,10 @@ HERE = Path(__file__).parent
 COMMAND_LINE = tuple(
     str(HERE / "cli" / f"{name}.py")
     for name in (
-        "main",
-        "assess",
-        "dae",
-        "score",
-        "options",
-        "bridges",
-        "bridge_file",
-        "roads",
-        "trucks",
+        "assess", "bridge_file", "bridges", "dae", "options", "profile", "roads", "score", "trucks",
+        "validate",
     )
-)
+)  # fmt: skip
 """Modules that call the package as a user does."""
 
 PASSING = ("_plausible.py", "_threads.py", "plots/style.py")

@@ -7,8 +7,10 @@
 Each runs from the top in a clean kernel of this interpreter, in a temporary folder, and is
 written only if nothing failed. A warning is an error, text on stderr too; no output may name a
 place in memory or an absolute path, and no file may be larger than 700 KB. Pictures are stored
-in 256 colours; times and versions of the machine are left out. Needs nbclient and ipykernel,
-which the `test` extra brings.
+in 256 colours; times and versions of the machine are left out. The answers to its exercises, folded
+away in its text, run after its last cell, in one cell each, and must print what they say.
+Needs nbclient and ipykernel, which the `test` extra brings. `notebooks/pages` has what the pages
+draw and the checks of what they claim.
 
 `tests/test_notebooks.py` runs this and compares what is printed with what is stored: print no
 more digits than every machine agrees on, and of a round-off error only that it is below a bound.
@@ -51,6 +53,12 @@ METADATA = {
     "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
     "language_info": {"name": "python"},
 }
+ANSWER = re.compile(r"<details><summary>Answer</summary>\n\n(.*?)</details>", re.DOTALL)
+CODE, PRINTED = (
+    re.compile(r"```python\n(.*?)```", re.DOTALL),
+    re.compile(r"```text\n(.*?)```", re.DOTALL),
+)
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 COLOURS = re.compile(r"\x1b\[[0-9;]*m")
 OF_THE_MACHINE = re.compile(
     r"\bat 0x[0-9a-f]+|(?<![\w.:/])/(?:home|root|Users|tmp|var|opt|usr|mnt|work)/|\b[A-Z]:\\"
@@ -76,7 +84,36 @@ def notebooks(names: list[str] | None = None) -> list[Path]:
 
 
 def execute(notebook: NotebookNode) -> NotebookNode:
-    """Run a notebook in a clean kernel, in place, and clean what it stores."""
+    """Run a notebook and its answers in a clean kernel, in place, and clean what it stores."""
+    solved = answers(notebook)
+    page = len(notebook.cells)
+    notebook.cells += [
+        nbformat.v4.new_code_cell(code, id=f"a{i}") for i, (code, _) in enumerate(solved)
+    ]
+    run(notebook)
+    wrong = [
+        line
+        for cell, (_, said) in zip(notebook.cells[page:], solved, strict=True)
+        for line in differences(said, "\n".join(texts(cell)))
+    ]
+    del notebook.cells[page:]
+    if wrong:
+        raise RefusedError("\n".join(f"an answer's {line}" for line in wrong))
+    return clean(notebook)
+
+
+def answers(notebook: NotebookNode) -> list[tuple[str, str]]:
+    """Return the code of each folded answer of a notebook, and what the answer says it prints."""
+    found = []
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            for answer in ANSWER.findall(cell.source):
+                found.append(("".join(CODE.findall(answer)), "".join(PRINTED.findall(answer))))
+    return found
+
+
+def run(notebook: NotebookNode) -> None:
+    """Run all cells of a notebook in a clean kernel, in place, and join what each printed."""
     # Without other places to look in, the only kernel is that of this interpreter.
     manager = AsyncKernelManager(kernel_spec_manager=KernelSpecManager(kernel_dirs=[]))
     with tempfile.TemporaryDirectory() as folder:
@@ -89,13 +126,15 @@ def execute(notebook: NotebookNode) -> NotebookNode:
             record_timing=False,
             extra_arguments=KERNEL,
         )
-        # The bridgectl beside the notebooks, whatever is installed.
-        path = os.pathsep.join([str(FOLDER.parent), os.environ.get("PYTHONPATH", "")])
+        # The bridgectl beside the notebooks, whatever is installed, and their pages.
+        path = os.pathsep.join([str(FOLDER.parent), str(FOLDER), os.environ.get("PYTHONPATH", "")])
         client.execute(
             cleanup_kc=True,  # so that processes the kernel has started end with it
             env=os.environ | {"IPYTHONDIR": folder, "PYTHONPATH": path.rstrip(os.pathsep)},
         )
-    return clean(notebook)
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            cell.outputs = joined(cell.outputs)
 
 
 def clean(notebook: NotebookNode) -> NotebookNode:
@@ -103,8 +142,6 @@ def clean(notebook: NotebookNode) -> NotebookNode:
     notebook.metadata = nbformat.from_dict(METADATA)
     for cell in notebook.cells:
         cell.metadata = NotebookNode({k: v for k, v in cell.metadata.items() if k == "tags"})
-        if cell.cell_type == "code":
-            cell.outputs = joined(cell.outputs)
         for output in cell.get("outputs", []):
             if "metadata" in output:
                 output.metadata = NotebookNode()
@@ -145,6 +182,35 @@ def texts(cell: NotebookNode) -> list[str]:
     return found
 
 
+def unit(number: str) -> float:
+    """One unit of the last digit of a printed number; none of a whole number.
+
+    Whole thousands are counts of which some lie at a limit: 0.2 %.
+    """
+    mantissa, _, exponent = number.partition("e")
+    if mantissa == number and "." not in number:
+        return 2e-3 * abs(float(number)) if abs(float(number)) >= 1000 else 0.0
+    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+
+
+def differences(stored: str, printed: str) -> list[str]:
+    """Lines that differ by more than one unit in the last digit of a number, or in words."""
+    old, new = stored.strip().splitlines(), printed.strip().splitlines()
+    if len(old) != len(new):
+        return [f"{len(old)} lines stored, {len(new)} printed"]
+    return [f"{a!r} is now {b!r}" for a, b in zip(old, new, strict=True) if not same(a, b)]
+
+
+def same(stored: str, printed: str) -> bool:
+    """Tell whether two lines agree but for the last digit of their numbers."""
+    # Spaces fill up columns, so that they go with the numbers.
+    words = [NUMBER.sub("#", line).replace(" ", "") for line in (stored, printed)]
+    numbers = zip(NUMBER.findall(stored), NUMBER.findall(printed), strict=False)
+    return words[0] == words[1] and all(
+        abs(float(a) - float(b)) <= 1.001 * max(unit(a), unit(b)) for a, b in numbers
+    )
+
+
 def faults(notebook: NotebookNode) -> list[str]:
     """Return what keeps an executed notebook from being stored, in words."""
     found = []
@@ -174,6 +240,8 @@ def build(path: Path, to: Path | None = None) -> Path:
     notebook = nbformat.read(path, as_version=4)
     try:
         execute(notebook)
+    except RefusedError as error:
+        raise RefusedError(f"{path.name}: {error}") from None
     except CellExecutionError as error:
         raise RefusedError(f"{path.name}: {COLOURS.sub('', str(error))}") from None
     found = faults(notebook)

@@ -217,7 +217,13 @@ def vehicle() -> Figure:
 
 def response() -> Figure:
     beam, truck = bc.li2006.beam(), bc.trucks.load("T5air")
-    return response_figure(bc.crossing_response(beam, truck, 25.0, static=True))
+    return response_figure(bc.crossing_response(beam, truck, 25.0, static=True)).figure
+
+
+def bode() -> Figure:
+    crossing = bc.Crossing(*beam_and_truck())
+    names = ["tire_force", "moment"]
+    return crossing.plot_bode([3.0, 8.0, 12.5], outputs=names, limits=(0.2, 40)).figure
 
 
 def semitrailer() -> Figure:
@@ -242,6 +248,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
         crossing,
         vehicle,
         response,
+        bode,
         semitrailer,
     )
 }
@@ -317,6 +324,7 @@ REMOVED: dict[str, list[tuple[type[Artist], str, int]]] = {
     "crossing": [(Line2D, "moment", -1), (Line2D, "road", -1), (Legend, "", -1)],
     "vehicle": [(FancyBboxPatch, "", 0), (FancyBboxPatch, "", 1), (Circle, "", -1)],
     "response": [(Line2D, "moment", 0), (Line2D, "tire_force_2", 0), (Line2D, "thB2", 0)],
+    "bode": [(Line2D, "0.12 l", 0), (Line2D, "0.32 l", 1), (Line2D, "0.5 l", 1), (Legend, "", -1)],
     "semitrailer": [(FancyBboxPatch, "body", 0), (FancyBboxPatch, "body 2", 0), (Circle, "", 0)],
 }
 """Kind and label of what must not be missing: of those that fit, the one at the index goes.

@@ -168,7 +168,9 @@ def test_each_thing_alone_speaks_against_a_road_beyond_its_limit(against, truste
     """Ramps of the paper's 10 mm are superposed by it; a good road is one below 7 m/km."""
     nothing = {"peak_rise": 0.0, "lift_off": False, "tallest_ramp": 0.0, "iri": 0.0}
     told = {name: np.array([value]) for name, value in (nothing | against).items()}
-    assert DaeTrust(**told, tolerance=TOLERANCE).trusted.tolist() == [[trusted]]
+    assert DaeTrust(**told, tolerance=TOLERANCE, speeds=np.array([25.0])).trusted.tolist() == [
+        [trusted]
+    ]
 
 
 def test_a_tolerance_of_nothing_is_an_error(surface, elevations):

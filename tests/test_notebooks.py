@@ -17,7 +17,6 @@ import pytest
 
 FOLDER = Path(__file__).parents[1] / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
-NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 each_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 
@@ -34,35 +33,8 @@ def read(path: Path) -> nbformat.NotebookNode:
     return nbformat.read(path, as_version=4)
 
 
-def unit(number: str) -> float:
-    """One unit of the last digit of a printed number; none of a whole number.
-
-    Whole thousands are counts of which some lie at a limit: 0.2 %.
-    """
-    mantissa, _, exponent = number.partition("e")
-    if mantissa == number and "." not in number:
-        return 2e-3 * abs(float(number)) if abs(float(number)) >= 1000 else 0.0
-    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
-
-
-def differences(stored: str, printed: str) -> list[str]:
-    """Lines that differ by more than one unit in the last digit of a number, or in words."""
-    old, new = stored.strip().splitlines(), printed.strip().splitlines()
-    if len(old) != len(new):
-        return [f"{len(old)} lines stored, {len(new)} printed"]
-    return [f"{a!r} is now {b!r}" for a, b in zip(old, new, strict=True) if not same(a, b)]
-
-
-def same(stored: str, printed: str) -> bool:
-    # Spaces fill up columns, so that they go with the numbers.
-    words = [NUMBER.sub("#", line).replace(" ", "") for line in (stored, printed)]
-    numbers = zip(NUMBER.findall(stored), NUMBER.findall(printed), strict=False)
-    return words[0] == words[1] and all(
-        abs(float(a) - float(b)) <= 1.001 * max(unit(a), unit(b)) for a, b in numbers
-    )
-
-
-def test_printed_numbers_may_differ_in_their_last_digit_only():
+def test_printed_numbers_may_differ_in_their_last_digit_only(build):
+    same, differences = build.same, build.differences
     assert same("DAF  1.1302 at 110 km/h", "DAF 1.1303 at 110 km/h")
     assert same("off by -0.0000", "off by +0.0000")
     assert same("error 3e-06", "error 2e-06")
@@ -94,10 +66,24 @@ def test_a_notebook_is_stored_complete_and_clean(path, build):
 
 
 @each_notebook
-def test_a_notebook_ends_with_checks_of_its_claims(path):
+def test_a_notebook_ends_with_a_check_of_its_claims_in_one_line(path):
     last = [cell for cell in read(path).cells if cell.cell_type == "code"][-1]
-    assert "assert " in last.source
-    assert last.outputs
+    assert last.source == "page.check(globals())"
+    assert [output.text for output in last.outputs] == ["All claims of this page checked.\n"]
+
+
+@each_notebook
+def test_a_notebook_draws_by_what_it_imports(path):
+    code = [cell.source for cell in read(path).cells if cell.cell_type == "code"]
+    assert re.search(r"^from pages import \w+ as page$", "\n".join(code), re.MULTILINE)
+    assert not [cell for cell in code if re.search(r"\bpyplot\b|\.set_xlabel|\.legend\(", cell)]
+
+
+@each_notebook
+def test_a_notebook_has_three_exercises_with_answers_folded_away(path, build):
+    answers = build.answers(read(path))
+    assert len(answers) == 3
+    assert all(code and printed for code, printed in answers)
 
 
 @pytest.mark.slow
@@ -108,7 +94,7 @@ def test_a_notebook_runs_and_prints_what_it_stores(path, build, tmp_path):
     assert run.returncode == 0, run.stderr
     stale = []
     for stored, fresh in zip(read(path).cells, read(tmp_path / path.name).cells, strict=True):
-        stale += differences("\n".join(build.texts(stored)), "\n".join(build.texts(fresh)))
+        stale += build.differences("\n".join(build.texts(stored)), "\n".join(build.texts(fresh)))
     assert stale == [], f"run notebooks/build.py {path.stem}"
 
 
@@ -134,3 +120,32 @@ def test_a_notebook_that_warns_or_fails_is_not_stored(source, why, tmp_path):
     assert run.returncode == 1
     assert why in run.stderr
     assert path.read_text(encoding="utf-8") == before
+
+
+ANSWER = """<details><summary>Answer</summary>
+
+```python
+print(3 * x)
+```
+
+```text
+{}
+```
+</details>"""
+
+
+@pytest.mark.slow
+def test_an_answer_that_prints_something_else_is_refused(tmp_path, build):
+    path = tmp_path / "01_odd.ipynb"
+
+    def store(said: str) -> Path:
+        cells = [
+            nbformat.v4.new_code_cell("x = 2", id="one"),
+            nbformat.v4.new_markdown_cell(ANSWER.format(said), id="two"),
+        ]
+        nbformat.write(nbformat.v4.new_notebook(cells=cells), path)
+        return path
+
+    assert len(read(build.build(store("6"))).cells) == 2
+    with pytest.raises(build.RefusedError, match=r"01_odd\.ipynb: an answer's '7' is now '6'"):
+        build.build(store("7"))

@@ -8,7 +8,7 @@ import pytest
 from helpers import rough_road, run_command
 
 import bridgectl as bc
-from bridgectl.cli.validation import print_validation
+from bridgectl.cli.validate import print_validation
 from bridgectl.paper.good_roads import EXTREME_RAMP, good_roads
 from bridgectl.paper.validation import (
     PEAK_TOLERANCE,

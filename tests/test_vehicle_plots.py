@@ -1,5 +1,7 @@
 """A vehicle from the side, and the few signals of a response."""
 
+import control
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.patches import Circle, FancyBboxPatch
@@ -7,6 +9,12 @@ from matplotlib.patches import Circle, FancyBboxPatch
 import bridgectl as bc
 from bridgectl.plots import response_figure, vehicle_plot
 from bridgectl.plots.vehicle_parts import parts_of
+
+
+@pytest.fixture(autouse=True)
+def _no_figure_stays_open():
+    yield
+    plt.close("all")
 
 
 def words(ax):
@@ -91,7 +99,7 @@ def response():
 
 
 def test_a_response_is_drawn_by_moment_tire_forces_heave_and_pitch(response):
-    figure = response_figure(response)
+    figure = response_figure(response).figure
     labels = [ax.get_ylabel().replace("\n", " ") for ax in figure.axes]
     assert labels == [
         "moment $M / M_0$ [-]", "tire force [kN]", "displacement [mm]", "pitch [mrad]",
@@ -112,7 +120,7 @@ def test_signals_that_are_asked_for_are_drawn_with_their_units(response):
         "deflection", "suspension_travel", "suspension_velocity_1", "yB1_ddot", "thB1_dot",
         "thB_ddot", "yG1_dot", "static_moment",
     ]  # fmt: skip
-    figure = response_figure(response, asked)
+    figure = response_figure(response, asked).figure
     labels = [ax.get_ylabel().replace("\n", " ") for ax in figure.axes]
     assert labels == [
         "deflection [mm]", "suspension travel [mm]", "suspension velocity [m/s]",
@@ -120,7 +128,7 @@ def test_signals_that_are_asked_for_are_drawn_with_their_units(response):
         "static_moment [SI unit]",
     ]  # fmt: skip
     assert [len(ax.lines) for ax in figure.axes] == [2, 5, 1, 1, 1, 2, 1, 1]
-    assert len(response_figure(response, "yB1").axes) == 1
+    assert response_figure(response, "yB1").axes.shape == (1, 1)
 
 
 def test_a_quarter_car_and_bare_matrices_have_their_body_drawn():
@@ -128,14 +136,14 @@ def test_a_quarter_car_and_bare_matrices_have_their_body_drawn():
         (bc.li2006.car(), "y_s"), (bc.Vehicle([[5750.0]], [[0.0]], [[0.0]], [1.6e6]), "y_1"),
         (bc.convoy([bc.trucks.load("T2")] * 2, [0, 20]), "yB_1"),
     ):  # fmt: skip
-        figure = response_figure(bc.crossing_response(bc.li2006.beam(), car, 25.0))
+        figure = response_figure(bc.crossing_response(bc.li2006.beam(), car, 25.0)).figure
         assert figure.axes[2].lines[0].get_label() == name
 
 
 @pytest.mark.slow
 def test_many_signals_of_one_kind_have_no_legend():
     convoy = bc.convoy([bc.trucks.load("T5")] * 3, [0, 20, 40])
-    figure = response_figure(bc.crossing_response(bc.li2006.beam(), convoy, 25.0))
+    figure = response_figure(bc.crossing_response(bc.li2006.beam(), convoy, 25.0)).figure
     assert figure.axes[0].get_legend() is not None
     assert figure.axes[1].get_legend() is None
     assert len(figure.axes[1].lines) == 15
@@ -144,3 +152,13 @@ def test_many_signals_of_one_kind_have_no_legend():
 def test_a_signal_that_is_not_there_is_told(response):
     with pytest.raises(ValueError, match="outputs must be names of the response, got 'torque'"):
         response_figure(response, ["torque"])
+
+
+def test_a_response_comes_as_control_plots_do(response):
+    plot = response_figure(response, ["moment", "tire_force"])
+    assert isinstance(plot, control.ControlPlot)
+    assert plot.axes.shape == plot.lines.shape == plot.legend.shape == (2, 1)
+    assert [len(lines) for lines in plot.lines[:, 0]] == [2, 5]
+    assert all(line.axes is plot.axes[1, 0] for line in plot.lines[1, 0])
+    plot.set_plot_title("five axles")
+    assert plot.figure.get_suptitle() == "five axles"

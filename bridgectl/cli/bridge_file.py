@@ -43,11 +43,9 @@ from scipy.optimize import brentq
 from bridgectl import Beam, Bridge, ModalBridge
 from bridgectl import _checks as check
 from bridgectl._toml import parsed, require_keys, require_known
+from bridgectl.cli.commands.bridge import EXAMPLE, N_MODES
 from bridgectl.model.modal_table import read_modes
 from bridgectl.model.told import told
-
-EXAMPLE = Path(__file__).parent / "data" / "two_spans.toml"
-"""What the word 'example' stands for."""
 
 OF_SPANS = (
     "spans", "mass_per_length", "flexural_rigidity", "frequency", "supports", "n_modes",
@@ -64,9 +62,6 @@ LOOKS = {
     "influence": "influence = [0, 6.25, 0]", "modal": "modal = [7.7e8, 0]",
 }  # fmt: skip
 """What to type for keys that are missing."""
-
-N_MODES = 3
-"""Modes of one simply supported span, as of the decks of the thesis."""
 
 STIFFEST = 1e4
 """How many times the E J of a simply supported span a deck may have to reach a frequency."""

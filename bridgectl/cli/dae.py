@@ -31,45 +31,6 @@ SHOWN_KMH = 10
 LARGEST = 10
 """How many ramps are listed."""
 
-DAE_HELP = """\
-Place a bridge in a road and say how much the road amplifies the bending moment of a truck's
-crossing, or other load effects (--effect), at every speed:
-
-  DAF smooth      dynamic amplification factor (DAF) of a smooth road
-  DAE             that, plus what each 100 mm ramp of the road adds on its own: the dynamic
-                  amplification estimate of Li, OBrien and Gonzalez (2006), Eq. (15)
-  superposed DAF  the same ramps, superposed as moment histories: exact while tires stay down
-  simulated DAF   the crossing itself
-
-FILE is delimited text, ERD text or OpenCRG: stations and elevations (positive upward), whose units
-the file states ('x [m], z [mm]') or --units tells. Of several tracks the first counts, or --track.
-Accelerations have no static peak: their peaks are told in m/s^2, and called so. JSON of several
-effects has a list of them.
-Without FILE: a measured road of 544 m that comes with the program.
-
-examples:
-  bridgectl dae
-  bridgectl dae road.csv --units m,mm --station 1250 --span 35 --plot dae.png
-  bridgectl dae --truck T5air --effect hogging@25 --spans 25,25 --mass-per-length 18e3 --frequency 4
-  bridgectl dae --spans 25,25 --mass-per-length 18e3 --frequency 4.1 --effect sagging@10,hogging@25
-  bridgectl dae --bridge example --effect reaction@50,deflection@12.5,tire_force
-  bridgectl dae survey.erd --track RElev.
-  bridgectl dae --speeds 60,80,100 --acceleration -3
-  bridgectl dae road.txt --units m,m --speeds 60:120:2 --damping 12e3 --json > dae.json"""
-
-
-def add_dae_options(parser: argparse.ArgumentParser) -> None:
-    """Add every option but those of the output."""
-    options.add_file_options(parser)
-    options.add_place_options(parser)
-    bridges.add_bridge_options(parser, effects=True)
-    options.add_vehicle_options(parser)
-    options.add_option(
-        parser, "--acceleration", "A",
-        "simulate what brakes (negative) or speeds up so from the start of the bridge on [m/s^2]; "
-        "speeds are those there (default 0)", options.as_number, 0.0,
-    )  # fmt: skip
-
 
 @dataclass(frozen=True)
 class DaeStudy:

@@ -1,16 +1,21 @@
-"""What `bridgectl validate --dampers` prints."""
+"""`bridgectl validate --dampers`: does DAE order dampers; tables for people, JSON for programs."""
 
 from __future__ import annotations
 
+import argparse
+import json
 import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from bridgectl import _checks as check
 from bridgectl._tables import make_console, make_table
+from bridgectl._units import from_kmh
 from bridgectl._version import __version__
-from bridgectl.paper.damper_validation import FAR, DamperCase
+from bridgectl.cli import options
+from bridgectl.paper.damper_validation import FAR, N_PAIRS, DamperCase, validate_dampers
 from bridgectl.scoring.agreement import CONFIDENCE, Pairs
 
 CLEAR_REQUIRED, SHORT_SPAN, SHORT_REQUIRED = 0.90, 15.0, 0.95
@@ -34,6 +39,25 @@ SINGLE_NOTE = """\
 share: of what the roads add to the smooth DAF, how much the class DAE has, by a line through all
 dampers; r: their correlation about it. Then rms of DAE - DAF over roads, mirror images and speeds.
 """
+
+
+def run_validate_dampers(args: argparse.Namespace) -> None:
+    """Do what the command asks for with --dampers."""
+    options.check_plot(args.plot)
+    options.check_work(args)
+    spans = list(dict.fromkeys(options.numbers("--spans", args.spans, int)))
+    speeds = from_kmh(options.parse_speeds(args.speeds or "60:120:5"))
+    pairs = check.integer("--pairs", N_PAIRS if args.pairs is None else args.pairs, at_least=2)
+    with options.resumed(args.resume):
+        cases = validate_dampers(
+            speeds, spans, pairs, resume=args.resume, workers=args.workers,
+            scheduler=args.scheduler,
+        )  # fmt: skip
+    options.deliver(
+        args, lambda: options.figure("validation.damper_validation", cases),
+        lambda: json.dumps(damper_validation_json(cases), indent=1),
+        lambda: print_damper_validation(cases),
+    )  # fmt: skip
 
 
 def print_damper_validation(cases: Sequence[DamperCase]) -> None:

@@ -31,12 +31,6 @@ ALIASES = {"sagging": "moment", "hogging": "least_moment"}
 
 LEAST = "least_"
 
-EFFECT_HELP = """\
-NAME@METRES, several separated by commas; the place counts from the start of the bridge, halfway if
-left out: moment (also sagging), hogging (the smallest moment), shear, reaction, deflection,
-bridge_acceleration, tire_force, body_acceleration; least_shear, least_tire_force, ... of the
-smallest value (default moment, at --section)"""
-
 
 @dataclass(frozen=True)
 class Asked:

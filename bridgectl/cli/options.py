@@ -1,15 +1,15 @@
-"""Options of the command line: what several commands share, and what their words mean."""
+"""What the options mean that several commands share, and where their results go."""
 
 from __future__ import annotations
 
 import argparse
 import io
 import os
-import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,7 @@ from bridgectl._places import SAME_PLACE, even_places, whole_pieces
 from bridgectl._plausible import judge_kmh
 from bridgectl._shares import WorkersLostError
 from bridgectl._workers import check_scheduler
+from bridgectl.cli.commands.shared import VEHICLE
 from bridgectl.surface.compute import RAMP_LENGTH
 
 if TYPE_CHECKING:
@@ -32,40 +33,7 @@ SPEEDS_KMH = (1.0, 1000.0)
 """Speeds that make sense [km/h]: a crawling vehicle needs cells, and memory, without end."""
 
 
-VEHICLE = "sprung_mass", "unsprung_mass", "suspension_stiffness", "tire_stiffness", "damping"
-"""Parameters of the quarter-car, each an option."""
-
-OWN = "length", "mass_per_length", "flexural_rigidity", "frequency", "supports"
-"""Parameters of a bridge of one's own, each an option."""
-
 SPEEDS_LOOK = "50:150:1 or 80,90,100"
-
-
-def add_option(
-    group: argparse._ActionsContainer, name: str, metavar: str, text: str, kind: Any = None,
-    default: Any = None,
-) -> None:  # fmt: skip
-    """Add an option that takes a value, text if it has no kind."""
-    group.add_argument(name, metavar=metavar, help=text, type=kind, default=default)
-
-
-def add_file_options(parser: argparse.ArgumentParser, *, many: bool = False) -> None:
-    """Add FILE, or any number of ROAD, and how they are to be read."""
-    file = parser.add_argument_group("road files" if many else "road file")
-    name, shown, kind = ("roads", "ROAD", Path) if many else ("file", "FILE", str)
-    file.add_argument(name, nargs="*" if many else "?", metavar=shown, type=kind,
-                      help="delimited text, ERD or OpenCRG")  # fmt: skip
-    add_option(file, "--units", "X,Z", "units of station and elevation, as m,mm")
-    add_option(file, "--columns", "I,J,...", "columns of the stations and of elevations, from 0 "
-               "(default: the first, and those whose unit the header states, or else the "
-               "second)")  # fmt: skip
-    add_option(file, "--delimiter", "C", "what separates the columns, as ';'")
-    add_option(file, "--step", "M", "distance between lines without stations [m]", as_number)
-    add_option(file, "--decimal", "C", "decimal mark, as ',' (default: as found)")
-    add_option(file, "--missing", "V,...", "what marks missing readings, to be left out, as "
-               "--missing=-999 or --missing=-999,nan")  # fmt: skip
-    add_option(file, "--skip-lines", "N", "lines at the top that are no part of it", as_whole)
-    add_option(file, "--track", "NAME", "which elevations of several, by label or number from 0")
 
 
 def refuse_file_options(args: argparse.Namespace) -> None:
@@ -86,57 +54,6 @@ def file_arguments(args: argparse.Namespace) -> dict[str, Any]:
         "units": args.units, "columns": columns, "delimiter": args.delimiter, "step": args.step,
         "decimal": args.decimal, "missing": args.missing, "skip_lines": args.skip_lines,
     }  # fmt: skip
-
-
-def add_place_options(
-    parser: argparse.ArgumentParser, *, approach: float = 200.0, speeds: str | None = "50:150:1"
-) -> None:
-    """Add where the bridge is in the road, and the speeds if any, with their defaults."""
-    road = parser.add_argument_group("place of the bridge")
-    add_option(road, "--station", "M", "station of the start of the bridge [m]; default: the first "
-               "after the approach", as_number)  # fmt: skip
-    add_option(road, "--approach", "M", "road before the bridge that counts [m]; the vehicle "
-               f"starts there (default {approach:g})", as_number, approach)  # fmt: skip
-    road.add_argument(
-        "--no-detrend", action="store_true",
-        help="keep the grade; by default the straight line through the road is taken off, "
-        "as a vehicle that starts in equilibrium is not on a grade",
-    )  # fmt: skip
-    if speeds is not None:
-        _add_speeds(parser, speeds, speeds)
-
-
-def _add_speeds(parser: argparse.ArgumentParser, default: str | None, told: str) -> None:
-    add_option(parser, "--speeds", "A:B:D", "speeds [km/h], from A to B in steps of D, or a list "
-               f"A,B,C (default {told})", default=default)  # fmt: skip
-
-
-def add_validation_options(parser: argparse.ArgumentParser) -> None:
-    """Add what a validation may leave out."""
-    text = "spans [m], odd, 9 to 35 (default 15,25,35)"
-    add_option(parser, "--spans", "A,B,C", text, default="15,25,35")
-    _add_speeds(parser, None, "50:150:1; of dampers 60:120:5")
-    dampers = parser.add_argument_group("dampers")
-    dampers.add_argument(
-        "--dampers", action="store_true", help="put the DAE of second order to the test instead"
-    )
-    add_option(dampers, "--pairs", "N", "random roads of each class, with a mirror image each "
-               "(default 60)", as_whole)  # fmt: skip
-    add_resume_option(dampers)
-    add_work_options(parser.add_argument_group("work"))
-
-
-def add_resume_option(work: argparse._ArgumentGroup) -> None:
-    """Add where work is kept."""
-    add_option(work, "--resume", "FILE", "keep what is done in FILE, and go on from what it holds",
-               Path)  # fmt: skip
-
-
-def add_work_options(work: argparse._ArgumentGroup) -> None:
-    """Add who does the work."""
-    add_option(work, "--workers", "N", "processes (default: one for each core)", as_whole)
-    add_option(work, "--scheduler", "ADDRESS", "of a Dask scheduler whose workers do it, as "
-               "tcp://HOST:8786; 'local' for processes of this machine under Dask")  # fmt: skip
 
 
 def check_work(args: argparse.Namespace) -> None:
@@ -171,24 +88,6 @@ def resumed(path: Path | None) -> Iterator[None]:
                 file=sys.stderr,
             )
         raise
-
-
-def add_vehicle_options(parser: argparse.ArgumentParser) -> None:
-    """Add the truck by name or file, and the parameters of the quarter-car."""
-    vehicle = parser.add_argument_group("vehicle: any truck, or a quarter-car (the paper's)")
-    add_option(vehicle, "--truck", "T", "a name that 'bridgectl trucks' lists, or FILE.toml")
-    truck = bc.li2006.car()
-    units = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m"}
-    for name in VEHICLE:
-        unit, default = units[name.rpartition("_")[2]], getattr(truck, name)
-        option, text = f"--{name.replace('_', '-')}", f"[{unit}] (default {default:g})"
-        add_option(vehicle, option, "X", text, as_number)
-
-
-def add_output_options(parser: argparse.ArgumentParser) -> None:
-    """Add what becomes of the results."""
-    add_option(parser, "--plot", "FILE", "draw (png, pdf, svg)", Path)
-    parser.add_argument("--json", action="store_true", help="print one JSON object instead")
 
 
 def make_vehicle(args: argparse.Namespace) -> bc.Vehicle | bc.QuarterCar:
@@ -258,6 +157,13 @@ def working(what: str) -> Any:
     return Console(stderr=True).status(what)
 
 
+def figure(name: str, results: Any) -> Figure:
+    """Draw results by a function of `plots`, told by module and name: matplotlib is loaded now."""
+    module, _, what = name.partition(".")
+    drawn: Figure = getattr(import_module(f"bridgectl.plots.{module}"), f"{what}_figure")(results)
+    return drawn
+
+
 def save_figure(figure: Figure, path: Path) -> None:
     """Save a figure, whole or not at all."""
     drawn = io.BytesIO()  # where drawing cannot fail half-way, each format with an error of its own
@@ -320,30 +226,6 @@ def numbers(option: str, text: str, kind: type, look: str = "") -> list[Any]:
         raise ValueError(
             f"{option} must be numbers separated by commas, got {text!r}{remedy}"
         ) from None
-
-
-def as_options(advice: str) -> str:
-    """Advice to type an argument of the library, for the command line."""
-    names = "|".join((*VEHICLE, "damping_ratio", *OWN))
-    return re.sub(
-        rf"\btype ({names})=", lambda found: f"type --{found[1].replace('_', '-')} ", advice
-    )
-
-
-def as_number(text: str) -> float:
-    """Read the value of an option that takes a number."""
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be a number, as 12e3, got {text!r}") from None
-
-
-def as_whole(text: str) -> int:
-    """Read the value of an option that takes a whole number."""
-    try:
-        return int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be a whole number, as 3, got {text!r}") from None
 
 
 def check_plot(path: Path | None) -> None:

@@ -11,7 +11,8 @@ import bridgectl as bc
 from bridgectl import _checks as check
 from bridgectl._units import from_kmh
 from bridgectl.cli import bridges, options, roads
-from bridgectl.cli.score import add_hardware_options, checked_hardware
+from bridgectl.cli.commands.tune import RANDOM
+from bridgectl.cli.score import checked_hardware
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.road.psd import CLASSES
 
@@ -21,72 +22,8 @@ if TYPE_CHECKING:
 PROGRAM = "program"
 """What --strategy calls a damping for each place."""
 
-RANDOM = 50
-"""Random training roads: with 25 a program fits them, and gains nothing elsewhere."""
-
 REACH = 20.0
 """How far before the bridge the places of a program begin [m], if the approach is as long."""
-
-TUNE_HELP = """\
-Tune the gains of a damper strategy, or a program of dampings over the place, for a bridge: on the
-simulated dynamic amplification factor (DAF) of training roads, or on the class DAE (--objective
-class_dae). Prints the gains before and after, and the mean DAF of the training roads and of roads
-held out, which the search does not see, with 95 % confidence intervals over the roads: gains that
-fit the training roads alone do not help elsewhere, and a warning says so.
-
-NAME is a strategy of the library with gains (skyhook, continuous skyhook, groundhook, tire
-groundhook, extended groundhook, selective groundhook, hybrid, ADD, SH-ADD, PDD, clipped LQR), or
-'program': dampings at --places places, from 20 m before the bridge to its end, with straight lines
-between, that begin as the vehicle's own. A program is tuned by exact gradients, others by
-differential evolution, for their DAF is rough.
-
-Training roads are the files ROAD, read as by `bridgectl score`, and --random N roads of --class;
---held-out N more of the class are held out, the same every time. It takes a minute, of laws on the
-class DAE some minutes; Ctrl-C ends the search and keeps the best so far.
-
-examples:
-  bridgectl tune --strategy hybrid --plot hybrid.png
-  bridgectl tune --strategy program --places 12 --random 100 --json > program.json
-  bridgectl tune --strategy "clipped LQR" --gains body_gain,axle_gain --objective class_dae
-  bridgectl tune east.csv west.csv --units m,mm --random 0 --strategy "extended groundhook\""""
-
-
-def add_tune_options(parser: argparse.ArgumentParser) -> None:
-    """Add every option but those of the output."""
-    options.add_file_options(parser, many=True)
-    options.add_place_options(parser, approach=60.0, speeds="70,90,108")
-    text = f"random training roads (default {RANDOM})"
-    options.add_option(parser, "--random", "N", text, options.as_whole, RANDOM)
-    text = "random roads that are held out (default 40)"
-    options.add_option(parser, "--held-out", "N", text, options.as_whole, 40)
-    options.add_option(
-        parser, "--class", "A", "ISO 8608 class of the random roads (default A)", default="A"
-    )
-    _add_search_options(parser)
-    group = parser.add_argument_group("semi-active damper")
-    add_hardware_options(group)
-    bridges.add_bridge_options(parser)
-    options.add_vehicle_options(parser)
-    work = parser.add_argument_group("work")
-    text = "processes (default: one for each core)"
-    options.add_option(work, "--workers", "N", text, options.as_whole)
-
-
-def _add_search_options(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("tuning")
-    options.add_option(group, "--strategy", "NAME", "what is tuned: see above", default=None)
-    text = "which gains vary, as share,gain (default all)"
-    options.add_option(group, "--gains", "NAME,NAME", text)
-    text = "places of a program (default 20)"
-    options.add_option(group, "--places", "N", text, options.as_whole, 20)
-    text = "daf, or class_dae (default daf)"
-    options.add_option(group, "--objective", "WHAT", text, default="daf")
-    text = "take the soft maximum over the speeds, of DAFs that far apart, as 0.01 (default mean)"
-    options.add_option(group, "--softness", "X", text, options.as_number)
-    text = "generations, or gradient (default: as the strategy needs)"
-    options.add_option(group, "--method", "WHAT", text)
-    text = "generations or gradients at most (default 30)"
-    options.add_option(group, "--iterations", "N", text, options.as_whole, 30)
 
 
 def run_tune(args: argparse.Namespace) -> None:

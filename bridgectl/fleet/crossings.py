@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._labelled import with_units
 from bridgectl._version import __version__
 from bridgectl.fleet import words
 from bridgectl.fleet.comparison import traffic
@@ -58,12 +59,12 @@ class Crossings:
     def to_pandas(self) -> pandas.DataFrame:
         """Return the columns as a table, words as categories.
 
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``attrs["units"]``.
         """
-        return words.to_pandas(self.columns)
+        return with_units(words.to_pandas(self.columns), words.units(self.columns, self.effects))
 
     def to_parquet(self, path: str) -> None:
         """Write the columns to a Parquet file.

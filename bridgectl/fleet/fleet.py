@@ -6,12 +6,13 @@ import os
 from collections.abc import Mapping
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bridgectl import _checks
+from bridgectl._labelled import Labelled
 from bridgectl._plausible import judge_speed, judge_truck
 from bridgectl._toml import parsed
 from bridgectl._warn import warn
@@ -20,6 +21,10 @@ from bridgectl.fleet.kinds import FACTORS, LOOKS, kinds_of
 from bridgectl.fleet.sources import Drawn, Passing, Weighed
 from bridgectl.fleet.table import read_rows
 from bridgectl.fleet.weighed import DATA, read_unweighed
+from bridgectl.fleet.words import UNITS
+
+if TYPE_CHECKING:
+    import pandas
 
 DAY = 86_400.0  # s
 SHOWN = 3
@@ -293,6 +298,25 @@ class Fleet:
         if isinstance(self._source, Weighed):
             return self._made(self._source.part(chosen))
         return self._made(self._source, chosen if self._indices is None else self._indices[chosen])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the trucks as a table; of a fleet without end that of a `part`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by 'truck': 'kind', 'time', 'speed', 'gross_weight' and 'n_axles', which are
+            what an `Assessment` has; units are in ``attrs["units"]``.
+        """
+        trucks = [self.passing(i) for i in range(len(self))]
+        columns = {
+            "kind": [truck.kind for truck in trucks],
+            "time": [truck.time for truck in trucks],
+            "speed": [truck.speed for truck in trucks],
+            "gross_weight": [truck.vehicle.static_loads.sum() for truck in trucks],
+            "n_axles": [truck.vehicle.n_tires for truck in trucks],
+        }
+        return Labelled({"truck": range(len(trucks))}, columns, UNITS).table()
 
     @property
     def duration(self) -> float:

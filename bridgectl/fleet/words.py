@@ -80,16 +80,18 @@ def rows(column: Any) -> NDArray[Any]:
     return column.codes if isinstance(column, Words) else column
 
 
+def units(columns: Columns, effects: Mapping[str, str]) -> dict[str, str]:
+    """Return the units of the columns that have one."""
+    own = {f"{of} {effect}": unit for effect, unit in effects.items()
+           for of in ("static", "total")}  # fmt: skip
+    every = {name: own.get(name, UNITS.get(name.split(" ")[0])) for name in columns}
+    return {name: unit for name, unit in every.items() if unit}
+
+
 def titles(columns: Columns, effects: Mapping[str, str]) -> dict[str, str]:
     """Return the names of columns with their units."""
-    units = {f"{of} {effect}": unit for effect, unit in effects.items()
-             for of in ("static", "total")}  # fmt: skip
-    return {
-        name: f"{name} [{unit}]"
-        if (unit := units.get(name, UNITS.get(name.split(" ")[0])))
-        else name
-        for name in columns
-    }
+    found = units(columns, effects)
+    return {name: f"{name} [{found[name]}]" if name in found else name for name in columns}
 
 
 def to_pandas(columns: Columns) -> pandas.DataFrame:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks
 from bridgectl._checks import FloatArray
+from bridgectl._labelled import Labelled
 from bridgectl._places import merge_places
 from bridgectl._units import to_kmh
 from bridgectl.linear.cells import sample_positions
@@ -23,6 +24,9 @@ from bridgectl.model.beam import Beam
 from bridgectl.model.bridge import BridgeModel
 from bridgectl.model.bridge_effects import AtSection, BridgeAcceleration, Deflection, Moment, Shear
 from bridgectl.plots.bridge import envelope_plot
+
+if TYPE_CHECKING:
+    import pandas
 
 QUANTITIES: dict[str, type[AtSection]] = {
     "moment": Moment, "shear": Shear, "deflection": Deflection, "acceleration": BridgeAcceleration,
@@ -77,6 +81,20 @@ class Envelope:
             f" from {self.smallest[lowest]:.4g} {self.unit} at x = {self.places[lowest]:.4g} m to "
             f"{self.largest[highest]:.4g} {self.unit} at x = {self.places[highest]:.4g} m)"
         )
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the extremes as a table over the places [m].
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by 'place'; units are in ``attrs["units"]``.
+        """
+        effects = "largest", "smallest", "static_largest", "static_smallest"
+        where = "largest_at", "smallest_at"
+        units = dict.fromkeys(effects, self.unit) | dict.fromkeys(where, "m")
+        columns = {name: getattr(self, name) for name in units}
+        return Labelled({"place": self.places}, columns, units).table()
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the envelope along the bridge, that of the weight alone dashed; moments downward.

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, cast
+from typing import cast
 
-import control
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -15,16 +14,15 @@ from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_load
 from bridgectl.model.bridge import BridgeModel, slopes_of
 from bridgectl.model.bridge_effects import AtSection, Deflection, Moment
+from bridgectl.model.control_systems import ControlSystems
 from bridgectl.model.effect import SENSES, Effect, EffectRows
 from bridgectl.model.effects import STATIC, NamedEffects, as_effect, named_effects
-from bridgectl.model.equations import Equations
-from bridgectl.model.motion import Motion
 from bridgectl.model.quarter_car import QuarterCar, require_pair
-from bridgectl.model.vehicle import Vehicle, road_signals, signals, vehicle_states
+from bridgectl.model.vehicle import Vehicle, signals, vehicle_states
 
 
 @dataclass(frozen=True)
-class Crossing(Equations):
+class Crossing(ControlSystems):
     """A vehicle that crosses a bridge, and the effect that is looked at.
 
     States x = [vehicle states, bridge states], each coordinate followed by its rate. With the
@@ -271,56 +269,6 @@ class Crossing(Equations):
                 ),
                 *static,
             ]
-        )
-
-    def system(
-        self, motion: Motion, name: str = "crossing", *, outputs: str = "all"
-    ) -> control.NonlinearIOSystem:
-        """Return the crossing as a control system: see `crossing_system`.
-
-        Parameters
-        ----------
-        motion : Motion
-            How the vehicle moves.
-        name : str, optional
-            Name of the system.
-        outputs : {'all', 'forces', 'states'}, optional
-            The tire forces alone are quicker, and the states more so.
-
-        Returns
-        -------
-        control.NonlinearIOSystem
-        """
-        lags, n_tires = self.linear.tire_lags, self.linear.n_tires
-        n_roads = len(road_signals(self.linear))
-        labels = {"all": self.output_labels, "forces": signals("tire_force", n_tires),
-                  "states": self.state_labels}  # fmt: skip
-
-        def taken(t: float, u: FloatArray) -> tuple[float, float, float, FloatArray]:
-            place = motion.position(t)
-            speed, a = float(motion.speeds(place)), float(motion.accelerations(place))
-            return place, speed, a, u[:n_tires] + lags * u[n_roads - n_tires : n_roads]
-
-        def update(t: float, x: FloatArray, u: FloatArray, _: dict[str, Any]) -> FloatArray:
-            place, speed, a, road = taken(t, u)
-            return self.dynamics(place, x, road, u[n_roads:], speed, a)
-
-        def output(t: float, x: FloatArray, u: FloatArray, _: dict[str, Any]) -> FloatArray:
-            place, speed, a, road = taken(t, u)
-            shapes, rates = self.tire_shapes(place), self.shape_rates(place, speed)
-            force = self.contact_forces(x, road, shapes, rates)
-            if outputs == "forces":
-                return force
-            columns = x[:, np.newaxis], force[:, np.newaxis], u[n_roads:, np.newaxis]
-            return self.outputs(np.array([place]), *columns, a)[:, 0]
-
-        return control.nlsys(
-            update,
-            None if outputs == "states" else output,
-            inputs=self.input_labels,
-            outputs=labels[outputs],
-            states=self.state_labels,
-            name=name,
         )
 
 

@@ -1,7 +1,9 @@
 """Every figure, in one look.
 
 What can be drawn has a method ``plot``; figures that need more are here.
-They return figures and leave `matplotlib.pyplot` alone: save with ``figure.savefig(path)``. The
+They return figures or axes and leave `matplotlib.pyplot` alone: save with
+``figure.savefig(path)``. But what python-control would draw, responses and Bode plots, comes as
+its own `control.ControlPlot`, in a figure of pyplot: save with ``plot.figure.savefig(path)``. The
 modules import nothing of what they draw, and `bridgectl.plots.shown` says what that must have.
 """
 

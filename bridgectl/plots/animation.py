@@ -27,7 +27,7 @@ BETWEEN = 8
 SIZE, LEFT, WIDTH = (8.0, 5.4), 0.1, 0.875
 """Size of the figure [in], left edge and width of its panels, as fractions of it."""
 
-SCENE, MOMENT, FORCE = (0.545, 0.395), (0.31, 0.185), (0.095, 0.135)
+SCENE, MOMENT, FORCE = (0.545, 0.375), (0.31, 0.185), (0.095, 0.135)
 """Bottom and height of the three panels, as fractions of the figure."""
 
 DEFLECTED, RIDING = 0.035, 0.035
@@ -124,12 +124,13 @@ class _Scene:
         shown = f"{slower:.2g} times slower" if slower >= 1 else f"{1 / slower:.2g} times faster"
         kmh, places = to_kmh(self.motion.speed), [place for place, _ in self.supports]
         spans = " + ".join(f"{span:g}" for span in np.diff(places)) or f"{self.span:g}"
-        self.scene.set_title(f"{kmh:.4g} km/h over a bridge of {spans} m, {shown} than it is")
+        title = f"{kmh:.4g} km/h over a bridge of {spans} m, {shown} than it is"
+        self.scene.set_title(title, pad=18)
         self.scene.text(
-            0.995, 0.97,
-            f"drawn taller: deflection of the bridge {self.by_bridge:g} times,\n"
+            0.0, 1.015,
+            f"drawn taller: deflection of the bridge {self.by_bridge:g} times, "
             f"road, tire and suspension {self.by_ride:g} times",
-            transform=self.scene.transAxes, ha="right", va="top", color=style.GREY, fontsize=8.5,
+            transform=self.scene.transAxes, color=style.GREY, fontsize=8.5,
         )  # fmt: skip
 
     def draw(self, frame: int) -> list[Any]:

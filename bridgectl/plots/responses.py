@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
+import control
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 from bridgectl.plots import style
 from bridgectl.plots.shown import ResponseShown
@@ -24,8 +25,13 @@ KINDS = (
     (r"\w+_ddot", "acceleration\n[m/s²]", 1.0),
     (r"\w+_dot", "velocity\n[m/s]", 1.0),
     (r"y\w*", "displacement\n[mm]", 1e3),
+    (r"road_rate", "road rate\n[m/s]", 1.0),
+    (r"road", "road\n[mm]", 1e3),
 )
 """Labels and units of signals by their names, of which the first that fits counts."""
+
+SI = {"kN": "N", "mm": "m", "mrad": "rad", "-": "1"}
+"""Units of the library, of those that are drawn."""
 
 USUAL = ("moment", "tire_force", "yB", "thB")
 """What is drawn if nothing is asked for: of bodies heave and pitch."""
@@ -38,8 +44,10 @@ HEIGHT, WIDTH, MOST_NAMED = 1.7, 8.0, 10
 
 
 @style.styled
-def response_figure(response: ResponseShown, outputs: Sequence[str] = ()) -> Figure:
+def response_figure(response: ResponseShown, outputs: Sequence[str] = ()) -> control.ControlPlot:
     """Draw a few outputs of a crossing over time, those of one kind in one panel.
+
+    As what the control library draws: `ControlPlot.figure` has the figure, one of pyplot.
 
     Parameters
     ----------
@@ -51,7 +59,8 @@ def response_figure(response: ResponseShown, outputs: Sequence[str] = ()) -> Fig
 
     Returns
     -------
-    matplotlib.figure.Figure
+    control.ControlPlot
+        With `lines` and `axes` of shape (n_panels, 1).
 
     Raises
     ------
@@ -63,16 +72,18 @@ def response_figure(response: ResponseShown, outputs: Sequence[str] = ()) -> Fig
     >>> import bridgectl as bc
     >>> truck = bc.trucks.load("T2")
     >>> response = bc.crossing_response(bc.li2006.beam(), truck, 25.0, static=True)
-    >>> figure = bc.plots.response_figure(response)
-    >>> [ax.get_ylabel().replace(chr(10), " ") for ax in figure.axes]
+    >>> plot = bc.plots.response_figure(response)
+    >>> [ax.get_ylabel().replace(chr(10), " ") for ax in plot.axes[:, 0]]
     ['moment $M / M_0$ [-]', 'tire force [kN]', 'displacement [mm]', 'pitch [mrad]']
     """
     signals = dict(zip(response.output_labels, np.asarray(response.outputs), strict=True))
     asked = [outputs] if isinstance(outputs, str) else list(outputs)
     panels = [_named(name, signals) for name in asked] or list(_usual(signals))
-    figure = Figure(figsize=(WIDTH, 0.5 + HEIGHT * len(panels)), layout="constrained")
+    figure = plt.figure(figsize=(WIDTH, 0.5 + HEIGHT * len(panels)), layout="tight")
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for ax, names in zip(axes, panels, strict=True):
+    lines = np.empty((len(panels), 1), dtype=object)
+    legends = np.full(lines.shape, None)
+    for k, (ax, names) in enumerate(zip(axes, panels, strict=True)):
         label, factor = _kind(names[0])
         colors = [f"C{i}" for i in range(len(names))] if len(names) > len(style.TRACKS) else (
             style.TRACKS
@@ -84,10 +95,11 @@ def response_figure(response: ResponseShown, outputs: Sequence[str] = ()) -> Fig
                         label="static")  # fmt: skip
         ax.set_ylabel(label)
         if len(names) <= MOST_NAMED:
-            ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=8)
+            legends[k, 0] = ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=8)
+        lines[k, 0] = list(ax.lines)
     axes[-1].set(xlabel="time [s]", xlim=(response.time[0], response.time[-1]))
     figure.align_ylabels(axes)
-    return figure
+    return control.ControlPlot(lines, axes[:, np.newaxis], figure, legends)
 
 
 def _usual(signals: dict[str, object]) -> Iterator[list[str]]:
@@ -122,3 +134,9 @@ def _kind(name: str) -> tuple[str, float]:
         if re.fullmatch(rf"{pattern}(_\d+)*", name):
             return label, factor
     return f"{name}\n[SI unit]", 1.0
+
+
+def unit_of(name: str) -> str:
+    """Return the SI unit of a signal."""
+    unit = _kind(name)[0].partition("[")[2].rstrip("]")
+    return SI.get(unit, unit)

@@ -218,6 +218,9 @@ def _draw_speeds(ax: Axes, board: BoardShown, measure: str, looks: dict[str, _Lo
 MARKERS = "os^vD"
 """Of road classes."""
 
+ENTRY = 0.058
+"""Height of an entry of the legend, as a share of the panel's."""
+
 
 def _draw_class_dae(ax: Axes, board: BoardShown, colors: Mapping[str, str]) -> None:
     """Draw every strategy's class DAE, and mean of Eq. (15), over its simulated mean DAF."""
@@ -242,6 +245,10 @@ def _draw_class_dae(ax: Axes, board: BoardShown, colors: Mapping[str, str]) -> N
     ax.set(xlabel="mean DAF [-]", ylabel="mean DAE [-]")
     ax.margins(0.06)
     ax.locator_params(axis="x", nbins=5)
+    # Above all points there is room for the legend.
+    low, high = ax.get_ylim()
+    room = ENTRY * 2 * len(board.surfaces)
+    ax.set_ylim(low, low + (high - low) / (1 - room))
     ax.legend(loc="upper left", fontsize=8, handletextpad=0.2, borderaxespad=0.2)
 
 

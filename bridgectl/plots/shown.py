@@ -20,8 +20,9 @@ SurfaceShown: TypeAlias = Any
 PairShown: TypeAlias = Any
 RampHeightsShown: TypeAlias = Any
 
-# model.vehicle.Vehicle; of the control library: TimeResponseData.
+# model.vehicle.Vehicle, model.crossing.Crossing; of the control library: TimeResponseData.
 VehicleShown: TypeAlias = Any
+CrossingShown: TypeAlias = Any
 ResponseShown: TypeAlias = Any
 
 # Of bridgectl.fleet: assessment.Read, levels.Reading, tails.Tail.

@@ -44,7 +44,7 @@ def surface_plot(
     if len(surface.speeds) < 2:
         raise ValueError("surface must have two speeds or more to be drawn, got one")
     ax = style.new_axes(ax)
-    ramp = f"a {surface.ramp_height * 1e3:g} mm drop over {surface.ramp_length:g} m"
+    ramp = f"a {surface.ramp_height * 1e3:.3g} mm drop over {surface.ramp_length:g} m"
     values: FloatArray = surface.daf_unit
     ticks: FloatArray | None = None
     look: dict[str, Any] = {"levels": 16, "cmap": "cividis"}

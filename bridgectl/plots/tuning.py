@@ -28,7 +28,7 @@ def tuning_figure(tuned: TuningShown) -> Figure:
     over the place, too.
     """
     count = 2 if tuned.positions is None else 3
-    figure = Figure(figsize=(4.8 * count, 3.8), layout="constrained")
+    figure = Figure(figsize=(4.8 * count + 1.3, 3.8), layout="constrained")
     axes = figure.subplots(1, count)
     _draw_history(axes[0], tuned)
     _draw_speeds(axes[1], tuned)
@@ -57,7 +57,7 @@ def _draw_speeds(ax: Axes, tuned: TuningShown) -> None:
             ax.plot(kmh, before, "o--", mfc="white", color=color, label=f"{what}, before")
             ax.plot(kmh, after, "o-", color=color, label=f"{what}, after")
     ax.set(xlabel=SPEED_LABEL, ylabel="mean DAF [-]", title="simulated DAF")
-    ax.legend(fontsize=9)
+    ax.legend(fontsize=9, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
 def _draw_program(ax: Axes, tuned: TuningShown) -> None:

@@ -49,8 +49,8 @@ def validation_figure(results: ValidationShown) -> Figure:
     panels[-1, 0].set_xlabel(style.STATION_LABEL)
     for panel in panels[-1, 1:]:
         panel.set_xlabel(style.SPEED_LABEL)
-    lines = {line.get_label(): line for line in panels[0, 1].lines}
-    above.legend(lines.values(), lines.keys(), loc="outside upper right", ncols=len(lines))
+    handles, _ = panels[0, 1].get_legend_handles_labels()  # not the speeds of lift-off
+    above.legend(handles=handles, loc="outside upper right", ncols=len(handles))
     peaks, differences = below.subplots(1, 2, width_ratios=(1, 1.4))
     _draw_peaks(peaks, results)
     _draw_differences(differences, results)
@@ -114,13 +114,15 @@ def _draw_peaks(ax: Axes, results: ValidationShown) -> None:
         ax.plot(daf, dae, **_look(case, results))  # type: ignore[arg-type]
     ax.set(
         xlim=ends, ylim=ends, aspect="equal", xlabel="peak DAF [-]", ylabel="peak DAE [-]",
-        title=f"peaks over the speeds of {len(peaks)} cases",
+        title=f"peaks over the speeds\nof {len(peaks)} cases",
     )  # fmt: skip
     worst = results.worst_peak
     if abs(worst.peak_difference) > results.peak_tolerance:
+        place = worst.daf_peak.value, worst.dae_peak.value
+        side = -9 if worst.daf_peak.value > ends.mean() else 9  # towards the middle
         ax.annotate(
-            f"road {worst.road}", (worst.daf_peak.value, worst.dae_peak.value), (0, 7),
-            textcoords="offset points", ha="center",
+            f"road {worst.road}", place, (side, 0), textcoords="offset points", va="center",
+            ha="left" if side > 0 else "right",
         )  # fmt: skip
 
 

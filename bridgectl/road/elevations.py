@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._labelled import Labelled
 from bridgectl._places import SAME_PLACE, count_pieces, even_places
 from bridgectl.road.iri import GOOD, running_iri, segment_iri
 from bridgectl.road.limits import mean_step
@@ -22,6 +23,7 @@ from bridgectl.road.sampling import measured_step, warn_if_coarse
 from bridgectl.road.stations import Stations
 
 if TYPE_CHECKING:
+    import pandas
     from matplotlib.axes import Axes
 
 
@@ -302,6 +304,17 @@ class Elevations(Stations):
         """
         return road_psd(self._x, self._elevation, segment, window, self._name, self.measured_step)
 
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the elevation [m], positive up, as a table over the stations [m].
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by 'station' with a column 'elevation'; units are in ``attrs["units"]``.
+        """
+        columns = {"elevation": self._elevation}
+        return Labelled({"station": self._x}, columns, {"elevation": "m"}).table()
+
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the elevation [mm] over the station [m].
 
@@ -317,7 +330,7 @@ class Elevations(Stations):
         import matplotlib.pyplot as plt  # here, so that no crossing waits for matplotlib
 
         if ax is None:
-            ax = plt.subplots()[1]
+            ax = plt.subplots(layout="constrained")[1]
         ax.plot(self._x, 1e3 * self._elevation, label=self._name or None)
         ax.set_xlabel("station x [m]")
         ax.set_ylabel("elevation, up [mm]")

@@ -20,12 +20,14 @@ from scipy.special import digamma
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._labelled import Labelled
 from bridgectl._places import whole_pieces
 from bridgectl._warn import warn
 from bridgectl.road.limits import even_step
 from bridgectl.road.sampling import coarse, too_coarse
 
 if TYPE_CHECKING:
+    import pandas
     from matplotlib.axes import Axes
 
 REFERENCE = 0.1
@@ -193,6 +195,17 @@ class RoadPsd:
         ties = 1 + 2 * (4 / 9 * (1 - 1 / count) + 1 / 36 * np.maximum(1 - 2 / count, 0))
         m = self.averages * count / ties
         return place, np.log(mean) - digamma(m) + np.log(m)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the density [m^3] as a table over the wave numbers [cycles/m].
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by 'wavenumber' with a column 'density'; units are in ``attrs["units"]``.
+        """
+        units = {"wavenumber": "cycles/m", "density": "m^3"}
+        return Labelled({"wavenumber": self.wavenumber}, {"density": self.density}, units).table()
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the spectrum over the ISO 8608 classes, in a new figure or in `ax`."""

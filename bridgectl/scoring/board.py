@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._labelled import Labelled
 from bridgectl._units import to_kmh
 from bridgectl._version import __version__
 from bridgectl.model.bridge import BridgeModel, described
 from bridgectl.model.quarter_car import QuarterCar
 from bridgectl.model.vehicle import Vehicle
 from bridgectl.scoring.agreement import (
-    LEAST_GAP,
     GapClosed,
     Paired,
     agreement,
@@ -30,12 +30,14 @@ from bridgectl.scoring.agreement import (
     pairs_in_order,
     rank_correlation,
 )
+from bridgectl.scoring.labelled import labelled_scores
 from bridgectl.scoring.rows import CLASS_DAE, EQ_15, MEASURES, ClassRow, Ranking, Row
 from bridgectl.scoring.study import parameters
 from bridgectl.scoring.text import score_text
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
     from matplotlib.figure import Figure
 
     from bridgectl.surface.surface import RampSurface
@@ -279,30 +281,36 @@ class Scoreboard:
         )
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return every measure as a table, one row for each strategy, road and speed.
+        """Return every measure as a table, one row for each strategy, road and speed [m/s].
 
         If the optimum is known, with its DAF and how much of the gap to it is closed (NaN where it
-        is below 0.002).
+        is below 0.002). Units are in ``attrs["units"]``.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        return self._labelled.table()
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return what `to_pandas` does as labelled arrays, each with its unit.
+
+        Returns
+        -------
+        xarray.Dataset
+            Over 'strategy', 'road' and 'speed' [m/s].
 
         Raises
         ------
         ImportError
-            If pandas is not installed.
+            If xarray is not installed; the message says what to type.
         """
-        import pandas as pd
+        return self._labelled.dataset()
 
-        index = pd.MultiIndex.from_product(
-            [self.strategies, self.roads, self.speeds], names=["strategy", "road", "speed"]
-        )
-        columns = dict(self.values)
-        if self.optimum:
-            daf, best = self.values["daf"], self.optimum["daf"]
-            gap = np.where(abs(daf[0] - best) < LEAST_GAP, np.nan, daf[0] - best)
-            columns["daf_optimum"] = np.broadcast_to(best, daf.shape)
-            columns["gap_closed"] = (daf[0] - daf) / gap
-            if "daf_bound" in self.optimum:
-                columns["daf_bound"] = np.broadcast_to(self.optimum["daf_bound"], daf.shape)
-        return pd.DataFrame({name: v.ravel() for name, v in columns.items()}, index)
+    @property
+    def _labelled(self) -> Labelled:
+        axes = {"strategy": self.strategies, "road": self.roads, "speed": self.speeds}
+        return labelled_scores(axes, self.values, self.optimum)
 
     def to_json(self) -> str:
         """Return all of it as JSON, with units in the names."""

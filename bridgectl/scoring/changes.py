@@ -10,6 +10,7 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._labelled import Labelled
 from bridgectl._units import to_kmh
 from bridgectl._version import __version__
 from bridgectl.model.bridge import BridgeModel, described
@@ -22,6 +23,7 @@ from bridgectl.scoring.study import parameters
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
     from matplotlib.figure import Figure
 
 
@@ -170,21 +172,40 @@ class Robustness:
         )  # fmt: skip
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return every DAF as a table, one row for each strategy, error, road and speed.
+        """Return every DAF as a table, one row for each strategy, error, road and speed [m/s].
+
+        Units are in ``attrs["units"]``.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        return self._labelled.table()
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return every DAF as labelled arrays, each with its unit.
+
+        Returns
+        -------
+        xarray.Dataset
+            'daf' over 'strategy', 'error', 'road' and 'speed' [m/s], 'baseline_daf' over the last
+            three.
 
         Raises
         ------
         ImportError
-            If pandas is not installed.
+            If xarray is not installed; the message says what to type.
         """
-        import pandas as pd
+        return self._labelled.dataset()
 
-        index = pd.MultiIndex.from_product(
-            [self.strategies, map(str, self.errors), self.roads, self.speeds],
-            names=["strategy", "error", "road", "speed_m_per_s"],
-        )
-        whole = np.broadcast_to(self.baseline_daf, self.daf.shape)
-        return pd.DataFrame({"daf": self.daf.ravel(), "baseline_daf": whole.ravel()}, index)
+    @property
+    def _labelled(self) -> Labelled:
+        axes = {
+            "strategy": self.strategies, "error": [str(each) for each in self.errors],
+            "road": self.roads, "speed": self.speeds,
+        }  # fmt: skip
+        baseline = ("error", "road", "speed"), self.baseline_daf
+        return Labelled(axes, {"daf": self.daf, "baseline_daf": baseline}, {})
 
     def to_json(self) -> str:
         """Return all of it as JSON, with units in the names."""

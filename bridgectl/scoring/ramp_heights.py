@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._labelled import Labelled
 from bridgectl._plausible import judge_crossing, judge_range
 from bridgectl._units import to_kmh
 from bridgectl.dampers.fitted import Dampers, fitted
@@ -23,6 +24,7 @@ from bridgectl.surface.compute import RAMP_HEIGHT, RAMP_LENGTH
 from bridgectl.surface.ramps import one_ramp
 
 if TYPE_CHECKING:
+    import pandas
     from matplotlib.figure import Figure
 
 N_RISING = 40
@@ -67,6 +69,18 @@ class RampHeights:
             f"{self.heights[-1] * 1e3:.4g} mm at x = {self.place:.4g} m and "
             f"{to_kmh(self.speed):.4g} km/h, DAF from {self.daf.min():.4f} to {self.daf.max():.4f})"
         )
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return DAF, both DAEs and lift-off as a table over the heights [m].
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by 'height'; units are in ``attrs["units"]``.
+        """
+        names = "daf", "first_order", "second_order", "lift_off"
+        columns = {name: getattr(self, name) for name in names}
+        return Labelled({"height": self.heights}, columns, dict.fromkeys(names[1:3], "1")).table()
 
     def plot(self, *others: RampHeights) -> Figure:
         """Draw the DAF over the height, and what the DAE of both orders makes of it.

@@ -11,6 +11,7 @@ import numpy as np
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._labelled import Labelled
 from bridgectl._version import __version__
 from bridgectl.dampers.program import Program
 from bridgectl.dampers.strategy import Strategy
@@ -22,6 +23,7 @@ from bridgectl.scoring.study import parameters
 from bridgectl.scoring.tuning_text import tuning_text
 
 if TYPE_CHECKING:
+    import pandas
     from matplotlib.figure import Figure
 
 DAF, CLASS_DAE = "daf", "class_dae"
@@ -141,6 +143,18 @@ class Tuning:
     def positions(self) -> FloatArray | None:
         """Places [m] of a program's dampings; None of other strategies."""
         return self.strategy.positions if isinstance(self.strategy, Program) else None
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the gains as a table: before, after, least and largest.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by 'gain': see `Strategy.bounds` for units.
+        """
+        least, largest = self.bounds.T
+        columns = {"before": self.before, "after": self.after, "least": least, "largest": largest}
+        return Labelled({"gain": self.names}, columns, {}).table()
 
     def to_json(self) -> str:
         """Return all of it as JSON, with units in the names."""

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bridgectl import _version
+from bridgectl._labelled import load_xarray
 from bridgectl._units import to_kmh
 from bridgectl.surface.parts import COMPUTED, UNITS, leaves, require_surface
 
 if TYPE_CHECKING:
     import xarray
-
-_INSTALL = 'pip install "bridgectl[xarray]"'
 
 
 def surface_to_xarray(surface: Any) -> xarray.Dataset:
@@ -51,17 +50,12 @@ def surface_to_xarray(surface: Any) -> xarray.Dataset:
     (25.0, 'm')
     """
     require_surface(surface)
-    try:
-        import xarray
-    except ImportError:
-        message = f"to_xarray needs the package xarray: type {_INSTALL}"
-        raise ImportError(message, name="xarray") from None
     both, x = ("speed", "position"), surface.positions
     daf, unit = surface.quantity
     unit = unit.replace("-", "1")
     unit_ramp = f"unit ramp, {surface.ramp_height:g} m down over {surface.ramp_length:g} m"
     change = _labels(unit, f"change of the {daf} by a {unit_ramp}")
-    return xarray.Dataset(
+    return load_xarray().Dataset(
         {
             "daf_smooth": ("speed", surface.daf_smooth, _labels(unit, f"{daf} of a smooth road")),
             "daf_unit": (both, surface.daf_unit, _labels(unit, f"{daf} of a {unit_ramp}")),

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
+from bridgectl._labelled import Labelled
 from bridgectl._threads import on_one_thread
 from bridgectl.road.iri import GOOD, rectified_slope
 from bridgectl.surface.histories import superposed
 from bridgectl.surface.peaks import peaks_of
 from bridgectl.surface.ramps import Roads, road_parts
 from bridgectl.surface.surface import RampSurface
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 TALLEST = 10e-3
 """Largest ramp that the paper superposes, Figs. 6 and 7 [m]."""
@@ -43,6 +49,8 @@ class DaeTrust:
         IRI over approach and bridge [m/km].
     tolerance : float
         Rise of the peak that is too much [-].
+    speeds : ndarray, shape (n_speeds,)
+        Speeds c [m/s].
     """
 
     peak_rise: FloatArray
@@ -50,6 +58,7 @@ class DaeTrust:
     tallest_ramp: FloatArray
     iri: FloatArray
     tolerance: float
+    speeds: FloatArray
 
     @property
     def peak_moves(self) -> NDArray[np.bool_]:
@@ -62,6 +71,41 @@ class DaeTrust:
         tall = np.asarray(self.tallest_ramp > TALLEST)[..., np.newaxis]
         rough = np.asarray(self.iri >= GOOD)[..., np.newaxis]
         return ~(self.peak_moves | self.lift_off | tall | rough)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return all that counts as a table, one row for each speed [m/s], and road if of many.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Roads are numbered from 0; units are in ``attrs["units"]``.
+        """
+        return self._labelled.table()
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return what `to_pandas` does as labelled arrays, each with its unit.
+
+        Returns
+        -------
+        xarray.Dataset
+            Over 'speed' [m/s], and before it 'road' if of many.
+
+        Raises
+        ------
+        ImportError
+            If xarray is not installed; the message says what to type.
+        """
+        return self._labelled.dataset()
+
+    @property
+    def _labelled(self) -> Labelled:
+        roads = {"road": range(len(self.peak_rise))} if self.peak_rise.ndim == 2 else {}
+        arrays: dict[str, Any] = {
+            name: getattr(self, name) for name in ("trusted", "peak_rise", "peak_moves", "lift_off")
+        }
+        arrays |= {name: (tuple(roads), getattr(self, name)) for name in ("tallest_ramp", "iri")}
+        units = {"peak_rise": "1", "tallest_ramp": "m", "iri": "m/km"}
+        return Labelled({**roads, "speed": self.speeds}, arrays, units)
 
     def __repr__(self) -> str:
         return (
@@ -135,7 +179,7 @@ IRI up to 2.31 m/km)
     tallest = np.abs(drops).max(axis=1)
     if scales.ndim == 1:
         rise, lift_off, tallest, iri = rise[0], lift_off[0], tallest[0], iri[0]
-    return DaeTrust(rise, lift_off, tallest, iri, limit)
+    return DaeTrust(rise, lift_off, tallest, iri, limit, surface.speeds)
 
 
 def _peak_rises(surface: RampSurface, drops: FloatArray) -> FloatArray:

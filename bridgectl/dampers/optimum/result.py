@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
 from bridgectl._checks import FloatArray
+from bridgectl._labelled import Labelled
 from bridgectl.dampers.actuator import Damper
 from bridgectl.dampers.strategy import Strategy
+
+if TYPE_CHECKING:
+    import pandas
 
 EARLIER = 1e-6
 """How far before an interval's start its damping is given [m]: places of samples are rounded."""
@@ -64,6 +68,23 @@ class Clairvoyant:
             f"{self.positions[-1]:.4g} m held {self.step * 1e3:g} ms, c from {self.c_min:g} to "
             f"{self.c_max:g} N s/m)"
         )
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the damping [N s/m] as a table over the positions [m].
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by 'position' with a column 'damping', numbered if of several dampers; units
+            are in ``attrs["units"]``.
+        """
+        several = self.damping.ndim == 2
+        columns = {
+            f"damping_{k}" if several else "damping": each
+            for k, each in enumerate(np.atleast_2d(self.damping), 1)
+        }
+        units = dict.fromkeys(columns, "N s/m")
+        return Labelled({"position": self.positions}, columns, units).table()
 
     @cached_property
     def damper(self) -> Damper | list[Damper]:

@@ -1,13 +1,25 @@
-"""What `bridgectl validate` prints."""
+"""`bridgectl validate`: DAE against DAF on good roads; tables for people, JSON for programs."""
 
 from __future__ import annotations
 
+import argparse
+import json
 from typing import Any
 
+import bridgectl as bc
 from bridgectl._tables import make_console, make_table
-from bridgectl._units import to_kmh
+from bridgectl._units import from_kmh, to_kmh
 from bridgectl._version import __version__
-from bridgectl.paper.validation import PEAK_TOLERANCE, SUPERPOSED_TOLERANCE, Case, ValidationResults
+from bridgectl.cli import options
+from bridgectl.cli.dampers import run_validate_dampers
+from bridgectl.paper.good_roads import LAST, good_roads
+from bridgectl.paper.validation import (
+    PEAK_TOLERANCE,
+    SUPERPOSED_TOLERANCE,
+    Case,
+    ValidationResults,
+    validate,
+)
 from bridgectl.road.iri import GOOD
 
 NOTE = """\
@@ -16,6 +28,31 @@ speed. exact: largest difference of superposed and simulated DAF where the tires
 how many speeds a tire leaves the road.
 """
 """What the columns of the validation are."""
+
+
+def run_validate(args: argparse.Namespace) -> None:
+    """Do what the command asks for."""
+    if args.dampers:
+        run_validate_dampers(args)
+        return
+    for option in ("pairs", "resume"):
+        if getattr(args, option) is not None:
+            raise ValueError(f"--{option} goes with --dampers: add it, or leave --{option} out")
+    options.check_plot(args.plot)
+    options.check_work(args)
+    spans = list(dict.fromkeys(options.numbers("--spans", args.spans, int)))
+    if max(spans) > LAST:
+        raise ValueError(f"--spans must be {LAST:g} m at most, as the roads, got {args.spans}")
+    speeds = from_kmh(options.parse_speeds(args.speeds or "50:150:1"))
+    for span in spans:  # of a span that there is not, before the work
+        bc.li2006.beam(span)
+    with options.working("making the roads"):
+        roads = good_roads()
+    results = validate(speeds, spans, roads=roads, workers=args.workers, scheduler=args.scheduler)
+    options.deliver(
+        args, lambda: options.figure("validation.validation", results),
+        lambda: json.dumps(validation_json(results), indent=1), lambda: print_validation(results),
+    )  # fmt: skip
 
 
 def print_validation(results: ValidationResults) -> None:

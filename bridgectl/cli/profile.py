@@ -1,7 +1,9 @@
-"""What the command line prints: tables for people, JSON for programs."""
+"""`bridgectl profile`: what is measured of roads; tables for people, JSON for programs."""
 
 from __future__ import annotations
 
+import argparse
+import json
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -9,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
+import bridgectl as bc
 from bridgectl import _checks as check
 from bridgectl._checks import FloatArray
 from bridgectl._plausible import judge_smoothness
 from bridgectl._tables import make_console, make_table
 from bridgectl._version import __version__
-from bridgectl.paper.printed import PaperResults
+from bridgectl.cli import options
 from bridgectl.road import RoadProfile
 from bridgectl.road.iri import BASE, GOOD
 from bridgectl.road.limits import evenly_spaced, mean_step
@@ -48,6 +51,25 @@ class TrackMeasures:
     def verdict(self) -> str:
         """`good` in words."""
         return {None: "coarse", True: "good", False: "not good"}[self.good]
+
+
+def run_profile(args: argparse.Namespace) -> None:
+    """Do what the command asks for."""
+    options.check_plot(args.plot)
+    if args.file is None:
+        options.refuse_file_options(args)
+        roads = [bc.utia_road()]
+    elif args.track is not None:
+        roads = [bc.read_profile(args.file, track=args.track, **options.file_arguments(args))]
+    else:
+        roads = bc.read_tracks(args.file, **options.file_arguments(args))
+    tracks = [measure_track(road, args.segment) for road in roads]
+    first, *others = (track.road for track in tracks)
+    options.deliver(
+        args, lambda: first.plot_roughness(*others, segment=args.segment),
+        lambda: json.dumps(profile_json(tracks, args.segment), indent=1),
+        lambda: print_profile(tracks, args.segment),
+    )  # fmt: skip
 
 
 def measure_track(road: RoadProfile, segment: float) -> TrackMeasures:
@@ -125,31 +147,3 @@ def profile_json(tracks: Sequence[TrackMeasures], segment: float) -> dict[str, A
             for track in tracks
         ],
     }  # fmt: skip
-
-
-def paper_json(results: PaperResults) -> dict[str, Any]:
-    """Give the paper's numbers and the computed ones."""
-    return {
-        "bridgectl": __version__,
-        "results": [{**row._asdict(), "difference": row.difference} for row in results.rows],
-        "smooth_road": [{"speed_km_per_h": kmh, "daf": value} for kmh, value in results.smooth_daf],
-    }
-
-
-def print_paper(results: PaperResults) -> None:
-    """Print the paper's numbers beside the computed ones, and Fig. 2."""
-    console = make_console()
-    title = "Li, OBrien and Gonzalez (2006), printed and computed"
-    columns = ["what", "printed", "computed", "difference", "note"]
-    table = make_table(title, columns, ["what", "note"])
-    for row in results.rows:
-        digits = {"km/h": 0, "x/l": 3}.get(row.unit, 5)
-        unit = f" {row.unit}" if row.unit else ""
-        printed = "-" if row.printed is None else f"{row.printed:g}{unit}"
-        difference = "-" if row.difference is None else f"{row.difference:+.{digits}f}"
-        table.add_row(row.what, printed, f"{row.computed:.{digits}f}{unit}", difference, row.note)
-    console.print(table)
-    table = make_table("Fig. 2: DAF of a smooth road, computed", ["speed [km/h]", "DAF"])
-    for kmh, value in results.smooth_daf:
-        table.add_row(f"{kmh:g}", f"{value:.5f}")
-    console.print(table)
