@@ -4,10 +4,12 @@ Run ``python tests/benchmarks/choices.py NAME [...] [--roads N]`` from the top o
 minutes each. NAME is one of
 
 - laws: tire force and ride on a rigid road; lqr: a regulator of the truck beside those of its legs;
-- hook: constants of bridgehook; deviation: bridgehook on another bridge than it was made for;
+- hook: constants of bridgehook; others: one of them at a truck of five axles;
+- deviation: bridgehook on another bridge than it was made for;
 - rollout: the soft maximum of rollouts; clairvoyant: shorter steps of the optimum;
 - bound: gap, time and splitting of proven bounds;
-- intervals: how often those of characteristic effects and of their ratio hold the true value.
+- steps: what a road loses that is measured at long steps;
+- intervals: how often those of characteristic effects hold the true value; ratios: of a ratio.
 
 The paper's truck and bridge, 60 m of approach, c from 1 to 30 kN s/m, unless said otherwise.
 """
@@ -18,12 +20,14 @@ import timing  # isort: skip  # noqa: F401  # before numpy, for it limits the th
 
 import argparse
 import time
+import warnings
 from dataclasses import replace
 from functools import partial
 from unittest.mock import patch
 
 import numpy as np
 from scipy import stats
+from scipy.optimize import brentq
 from trucks import truck_of
 
 import bridgectl as bc
@@ -38,12 +42,11 @@ from bridgectl.road import iso8608_elevations
 CASE = BEAM, TRUCK, SOFT, STIFF = bc.li2006.beam(), bc.li2006.car(), 1e3, 30e3
 KMH = np.array([70, 90, 108])
 X = -60 + 0.1 * np.arange(851)
-ROADS = {"laws": 36, "lqr": 20, "hook": 50, "deviation": 40, "rollout": 16, "clairvoyant": 3,
-         "bound": 20, "intervals": 60}  # fmt: skip
-"""How many; of `laws` each has 1 km, and intervals are of samples."""
-
-YEARS = 1000.0
-"""Of characteristic effects, with 1000 trucks on each of 250 days."""
+ROADS = {
+    "laws": 36, "lqr": 20, "hook": 50, "others": 50, "deviation": 40, "rollout": 16, "bound": 20,
+    "clairvoyant": 3, "steps": 12, "intervals": 100, "ratios": 20,
+}  # fmt: skip
+"""How many; of `laws` each has 1 km, and intervals and ratios are of samples."""
 
 
 def elevations(n, of_class, length=85, seed=70_000):
@@ -81,7 +84,9 @@ def laws(n):
             found = np.array(on_rock(law, roads))
             first = found if first is None else first
             j = found / first @ [1, 0.5]
-            print(f"class {of_class}, {law.name:26}  DLC {found[0]:.4f}  a {found[1]:.3f}  J {j:.3f}")
+            print(
+                f"class {of_class}, {law.name:26}  DLC {found[0]:.4f}  a {found[1]:.3f}  J {j:.3f}"
+            )
 
 
 def lqr(n):
@@ -106,28 +111,32 @@ def lqr(n):
 def hook(n):
     """Print by how much the mean DAF over roads changes with constants of bridgehook."""
     module, values = "bridgectl.dampers.bridgehook", bridgehook.__globals__["peak_values"]
-    kmh, five = np.arange(60, 121, 5), truck_of("T5air")
-    changes = {
-        **{f"beta {beta}": (f"{module}.peak_values", partial(values, sharpness=beta), TRUCK)
+    compare(n, TRUCK, {
+        **{f"beta {beta}": (f"{module}.peak_values", partial(values, sharpness=beta))
            for beta in (7.0, 14.0)},
-        **{f"v_0 {v}": (f"{module}.peak_values", partial(values, yield_speed=v), TRUCK)
+        **{f"v_0 {v}": (f"{module}.peak_values", partial(values, yield_speed=v))
            for v in (0.25, 0.7)},
-        "48 knots": (f"{module}.KNOTS", 48, TRUCK),
-        **{f"v_m {v}": ("bridgectl.dampers.peak_value.OTHERS_SPEED", v, five)
-           for v in (0.05, 0.12)},
-    }  # fmt: skip
+        "48 knots": (f"{module}.KNOTS", 48),
+    })  # fmt: skip
+
+
+def others(n):
+    """Print the same of how fast other dampers of a truck of five axles are taken to move."""
+    name = "bridgectl.dampers.peak_value.OTHERS_SPEED"
+    compare(n, truck_of("T5air"), {f"v_m {v}": (name, v) for v in (0.05, 0.12)})
+
+
+def compare(n, truck, changes):
+    """Print what changes of a name (and to what) do to bridgehook, 60 to 120 km/h."""
     for of_class in "AB":
-        roads, first = elevations(n, of_class), {}
-        for title, (name, value, truck) in changes.items():
-            bounds = (SOFT, STIFF) if truck is TRUCK else (2e3, STIFF)
-            some = kmh if truck is TRUCK else kmh[::2]
-            run = partial(dafs, roads=roads, kmh=some, truck=truck)
-            if id(truck) not in first:
-                first[id(truck)] = run(bridgehook(BEAM, truck, *bounds))
+        run = partial(dafs, roads=elevations(n, of_class), kmh=np.arange(60, 121, 10), truck=truck)
+        first = run(bridgehook(BEAM, truck, SOFT, STIFF))
+        for title, (name, value) in changes.items():
             with patch(name, value):
-                change = run(bridgehook(BEAM, truck, *bounds)) - first[id(truck)]
-            print(f"class {of_class}, {title:9}  mean over speeds {change.mean():+.4f}, of a speed at "
-                  f"most {abs(change.mean(axis=1)).max():.4f}")  # fmt: skip
+                change = run(bridgehook(BEAM, truck, SOFT, STIFF)) - first
+            error = 1.96 * change.mean(axis=0).std() / np.sqrt(n)
+            print(f"class {of_class}, {title:9}  mean {change.mean():+.4f} +- {error:.4f}, of a "
+                  f"speed at most {abs(change.mean(axis=1)).max():.4f}", flush=True)  # fmt: skip
 
 
 def deviation(n):
@@ -178,51 +187,85 @@ def bound(n):
                 times.append(time.process_time() - start)
                 gaps.append(found.lowest - found.bound)
                 apart.append(abs(found.splitting))
-            print(f"held {held * 1e3:g} ms, {kmh} km/h: gap at most {max(gaps):.5f}, {min(times):.1f} to "
-                  f"{max(times):.1f} s, splitting {np.mean(apart):.4f}, at most {max(apart):.4f}",
-                  flush=True)  # fmt: skip
+            print(
+                f"held {held * 1e3:g} ms, {kmh} km/h: gap at most {max(gaps):.5f}, "
+                f"{min(times):.1f} to {max(times):.1f} s, splitting {np.mean(apart):.4f}, "
+                f"at most {max(apart):.4f}",
+                flush=True,
+            )
+
+
+def steps(n):
+    """Print how far IRI and DAF of class A are off by the step [m] that stations are apart."""
+    fine = [
+        bc.iso8608_profile("A", 230, step=0.05, seed=k, start=-200, band=(0.011, 10.0))
+        for k in range(n)
+    ]
+    speeds = np.linspace(15.0, 35.0, 5)
+    iris = np.array([road.iri() for road in fine])
+    truth = [bc.daf(BEAM, TRUCK, speeds, road, start=-200) for road in fine]
+    warnings.simplefilter("ignore")  # of steps that are too long, which is the point
+    for step in (0.1, 0.25, 0.3, 0.5, 1.0, 2.0, 5.0):
+        coarse = [road.resample(step) for road in fine]
+        low = 1 - np.mean([road.iri() for road in coarse]) / iris.mean()
+        errors = [
+            bc.daf(BEAM, TRUCK, speeds, road, start=-200) - daf
+            for road, daf in zip(coarse, truth, strict=True)
+        ]
+        print(f"step {step} m: IRI {low:.0%} too low, rms error of the DAF {np.std(errors):.3f}")
 
 
 def intervals(n):
-    """Print how many intervals of 1000 years hold the true value, with and without DEGREES."""
-    rng_of, share = np.random.default_rng, 1 / (YEARS * 250 * 1000)
+    """Print how many intervals of 1000 years hold the true value, of two degrees and of one."""
     parents = {
         "exponential": stats.expon(), "Gumbel": stats.gumbel_r(10, 2), "normal": stats.norm(10, 2),
         "Weibull 1.5": stats.weibull_min(1.5, scale=300.0), "Pareto": stats.genpareto(-0.2, 5, 2),
         "Weibull 2": stats.weibull_min(2, scale=300.0),
     }  # fmt: skip
-    for method in METHODS:
-        rule = Rule(method, YEARS, 1000.0, 250.0)
-        for degrees in (2, 1):
-            tails = patch("bridgectl.fleet.tails.DEGREES", degrees)
-            with tails, patch("bridgectl.fleet.levels.DEGREES", degrees):
-                for title, parent in parents.items():
-                    found = [rule.reading(parent.rvs(10_000, random_state=rng_of(k))).estimate
-                             for k in range(n)]  # fmt: skip
-                    held = np.mean([low <= parent.isf(share) <= high for _, low, high in found])
-                    print(f"{method}, {degrees} degrees, {title}: {held:.0%} of {n}", flush=True)
-                held = np.mean([ratio_is_held(rule, share, rng_of(k)) for k in range(n)])
-                print(f"{method}, {degrees} degrees, ratio: {held:.0%} of {n}", flush=True)
+    for rule, told in rules():
+        for title, parent in parents.items():
+            samples = [parent.rvs(10_000, random_state=np.random.default_rng(k)) for k in range(n)]
+            found = [rule.reading(sample).estimate for sample in samples]
+            held = np.mean([e.low <= parent.isf(1 / rule.crossings) <= e.high for e in found])
+            print(f"{told}, {title}: {held:.0%} of {n}", flush=True)
 
 
-def ratio_is_held(rule, share, rng):
-    """Whether it is: static effects up to 1, of a shape of -0.2, times 1 + 0.05 exponential."""
+def ratios(n):
+    """Print the same of ratios: static effects of up to 1, times 1 and what is exponential."""
     static, more = stats.genpareto(-0.2, 0.0, 0.2), stats.expon(scale=0.05)
-    middle = static.isf((np.arange(200_000) + 0.5) / 200_000)
+    s = np.linspace(0.2, 1.0, 20_001)
+    for rule, told in rules():
+        share, held = 1 / rule.crossings, 0
 
-    def exceeded(total):
-        return np.mean(more.sf(total / middle - 1))
+        def excess(total, share=share):
+            return np.log(np.trapezoid(static.pdf(s) * more.sf(total / s - 1), s) / share)
 
-    from scipy.optimize import brentq
+        known = brentq(excess, 1.0, 3.0) / static.isf(share)
+        for k in range(n):
+            rng = np.random.default_rng(k)
+            own = static.rvs(10_000, random_state=rng)
+            total = own * (1 + more.rvs(10_000, random_state=rng))
+            found = ratio(rule.reading(total), rule.reading(own))
+            held += found.low <= known <= found.high
+        print(f"{told}, ratio {known:.3f}: {held / n:.0%} of {n}", flush=True)
 
-    known = brentq(lambda x: np.log(exceeded(x) / share), 0.9, 3.0) / static.isf(share)
-    s = static.rvs(10_000, random_state=rng)
-    found = ratio(rule.reading(s * (1 + more.rvs(10_000, random_state=rng))), rule.reading(s))
-    return found.low <= known <= found.high
+
+def rules():
+    """Each way to find effects of 1000 years, 1000 trucks a working day, with what it is called."""
+    for method in METHODS:
+        for degrees in (2, 1):
+            with (
+                patch("bridgectl.fleet.tails.DEGREES", degrees),
+                patch("bridgectl.fleet.levels.DEGREES", degrees),
+            ):
+                yield Rule(method, 1000.0, 1000.0, 250.0), f"{method}, {degrees} degrees"
 
 
-MEASURED = {"laws": laws, "lqr": lqr, "hook": hook, "deviation": deviation, "rollout": rollout,
-            "clairvoyant": optimum, "bound": bound, "intervals": intervals}  # fmt: skip
+MEASURED = {
+    "laws": laws, "lqr": lqr, "hook": hook, "others": others, "deviation": deviation,
+    "rollout": rollout, "clairvoyant": optimum, "bound": bound, "steps": steps,
+    "intervals": intervals, "ratios": ratios,
+}  # fmt: skip
 
 
 def main():
