@@ -1,7 +1,7 @@
 """A strategy's command for many speeds and roads at once: its CasADi expression on numpy arrays.
 
 CasADi evaluates an expression case by case. Here each of its operations is done for all cases
-before the next one, on arrays of signals that broadcast: twenty times faster for some thousand
+before the next one, on arrays of signals that broadcast: many times faster for some thousand
 cases, and what depends on position or speed alone is computed once for all roads.
 """
 
