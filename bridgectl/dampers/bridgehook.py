@@ -52,7 +52,7 @@ SPACING = 0.7
 """Largest distance between knots on the bridge [m]: an axle hop takes more than a metre."""
 
 KNOTS = 16
-"""Knots on the approach: with three times as many no DAF changes by 0.002."""
+"""Knots on the approach: with three times as many the mean DAF over speeds changes by 0.001."""
 
 PLACES = 32
 """Places where sigma may change its sign come in multiples of this; see `_costate_law`."""
@@ -267,10 +267,8 @@ def bridgehook(
         3 m           +0.019 +0.038   +0.019 +0.036   +0.011 +0.008   -0.013 -0.031
 
     Half a metre of deviation costs nothing (40 roads: 0.001), and helps on a bridge of another
-    frequency: at 1.2 times that known -0.025 -0.025, not -0.022 -0.012; with 1.5 m -0.036 -0.051.
-    More deviation does better than to be passive where |sigma| is below its own deviation over the
-    places: that is at -0.044 -0.078 without an error, 1.5 m of deviation at -0.057 -0.092, and at
-    3 m both are at -0.004 -0.011. `bridgectl.robustness` tries these errors and others.
+    frequency: at 1.2 times that known -0.024 -0.019, not -0.022 -0.009; with 1.5 m -0.032 -0.054,
+    and -0.056 -0.095 without an error. `bridgectl.robustness` tries these errors and others.
 
     It doubles acceleration and travel; by weights they are spared. Mean DAF at 70, 90 and 108 km/h,
     50 roads of class A and of class B (`tests/benchmarks/weights.py`), 95 % within 0.004 (A) and

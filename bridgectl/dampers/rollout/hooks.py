@@ -250,8 +250,8 @@ def preview_hook(
     between the bounds and random roads beyond the preview were tried: none is clearly better.
 
     Where there is a C compiler, closed loops use the law compiled: a decision takes 30 to 45 us on
-    one core, of a hundred the longest some 0.1 ms; without one ten times as long. The law of a
-    speed in C is a file of some 250 kB.
+    one core, of a hundred the longest some 0.1 ms; without one far longer. The law of a speed in C
+    is a file of some 300 kB.
 
     Examples
     --------
