@@ -28,6 +28,13 @@ def test_stations_of_a_bend_are_ways_along_it_within_2_mm():
     assert ways == pytest.approx(PLACES, abs=2e-3)
 
 
+def test_a_bend_of_90_degrees_is_as_long_as_its_closed_form_within_1e_6():
+    """A parabola whose slope goes from -1 to 1, of the arc length asinh(1) + sqrt(2) over R."""
+    east = np.linspace(-150.0, 150.0, 2001)
+    road = from_survey(east, east**2 / 300, 0.0 * east)
+    assert np.ptp(road.x) == pytest.approx(150 * (np.arcsinh(1) + 2**0.5), rel=1e-6)
+
+
 def test_a_stop_and_the_noise_of_the_receiver_do_not_stretch_the_road():
     """By less than 0.1 m, where adding up distances makes it 25 m longer."""
     s = np.concatenate([np.arange(0, 70, 0.07), np.full(600, 70.0), np.arange(70, 280, 0.07)])
