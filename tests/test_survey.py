@@ -29,10 +29,13 @@ def test_stations_of_a_bend_are_ways_along_it_within_2_mm():
 
 
 def test_a_bend_of_90_degrees_is_as_long_as_its_closed_form_within_1e_6():
-    """A parabola whose slope goes from -1 to 1, of the arc length asinh(1) + sqrt(2) over R."""
+    """A parabola whose slope t goes from -1 to 1, of the way (t sqrt(1 + t^2) + asinh(t)) R / 2."""
     east = np.linspace(-150.0, 150.0, 2001)
-    road = from_survey(east, east**2 / 300, 0.0 * east)
-    assert np.ptp(road.x) == pytest.approx(150 * (np.arcsinh(1) + 2**0.5), rel=1e-6)
+    t = east / 150
+    way = 75 * (t * np.hypot(1, t) + np.arcsinh(t))
+    road = from_survey(east, east**2 / 300, 0.03 * (way - way[0]))
+    assert road.x[-1] == 344.0
+    assert road.elevation_at(344.0) / 0.03 == pytest.approx(344.0, rel=1e-6)
 
 
 def test_a_stop_and_the_noise_of_the_receiver_do_not_stretch_the_road():
