@@ -28,6 +28,16 @@ def test_stations_of_a_bend_are_ways_along_it_within_2_mm():
     assert ways == pytest.approx(PLACES, abs=2e-3)
 
 
+def test_a_bend_of_90_degrees_is_as_long_as_its_closed_form_within_1e_6():
+    """A parabola whose slope t goes from -1 to 1, of the way (t sqrt(1 + t^2) + asinh(t)) R / 2."""
+    east = np.linspace(-150.0, 150.0, 2001)
+    t = east / 150
+    way = 75 * (t * np.hypot(1, t) + np.arcsinh(t))
+    road = from_survey(east, east**2 / 300, 0.03 * (way - way[0]))
+    assert road.x[-1] == 344.0
+    assert road.elevation_at(344.0) / 0.03 == pytest.approx(344.0, rel=1e-6)
+
+
 def test_a_stop_and_the_noise_of_the_receiver_do_not_stretch_the_road():
     """By less than 0.1 m, where adding up distances makes it 25 m longer."""
     s = np.concatenate([np.arange(0, 70, 0.07), np.full(600, 70.0), np.arange(70, 280, 0.07)])
