@@ -221,12 +221,12 @@ KNOWN = {*_names(), *(("bridgectl", room) for room in bc._ROOMS)}
 
 
 def test_readme_and_notebooks_use_what_is_offered():
-    """But for the look of figures, and the inside of bridgehook, which one notebook opens."""
+    """But for the inside of bridgehook, which one notebook opens."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     for path in ROOT.glob("notebooks/*.ipynb"):
         cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
         text += "".join("\n" + "".join(cell["source"]) for cell in cells)
-    inside = {("bridgectl.plots", "style"), ("bridgectl.dampers.peak_value", "peak_value")}
+    inside = {("bridgectl.dampers.peak_value", "peak_value")}
     assert len(_used(text)) > 40
     assert _used(text) - KNOWN == inside
 
