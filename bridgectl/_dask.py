@@ -40,7 +40,7 @@ KEPT = {
     f"distributed.nanny.pre-spawn-environ.MALLOC_{name}_THRESHOLD_": size
     for name, size in (("TRIM", 2**27), ("MMAP", 2**25))
 }
-"""Free memory [bytes] that workers keep: by Dask's 64 kB, arrays of some MB take twice the time."""
+"""Free memory [bytes] that workers keep: by Dask's 64 kB, arrays of some MB take longer."""
 
 LOOK = 1.0
 """Time between looks at the scheduler [s]."""

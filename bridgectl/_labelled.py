@@ -34,7 +34,7 @@ class Labelled(NamedTuple):
 
     def table(self) -> pandas.DataFrame:
         """Return a row for each combination of labels."""
-        import pandas as pd  # late, for it takes half a second
+        import pandas as pd  # late, for it takes a while
 
         names, labels = list(self.axes), [list(each) for each in self.axes.values()]
         index = pd.MultiIndex.from_product(labels, names=names)

@@ -2,7 +2,7 @@
 
 A linear-algebra library that splits a product of a few thousand numbers over threads loses
 more than it gains, and where several processes share the cores its waiting threads stall them
-all: the paper's ramp surface then takes a hundred times as long.
+all: the paper's ramp surface then takes many times as long.
 """
 
 from __future__ import annotations

@@ -522,7 +522,7 @@ def test_a_score_of_a_bridge_tells_it_and_goes_on_for_it_alone(capsys, tmp_path)
     bridge = ["--spans", "9,9", *OWN, "--modes", "2", "--section", "0.2"]
     status, out, err = run_command(capsys, "score", *quick, *bridge)
     assert (status, err) == (0, "")
-    assert "a largest bending moment at 3.6 m of" in " ".join(out.split())
+    assert "the largest bending moment at 3.6 m is" in " ".join(out.split())
     assert "Bridge of 18 m, first frequency" in out
     status, out, _ = run_command(capsys, "score", *quick, *bridge, "--json")
     found = json.loads(out, parse_constant=pytest.fail)

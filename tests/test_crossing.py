@@ -262,3 +262,15 @@ def test_a_truck_heavier_than_the_bridge_draws_a_warning(truck):
     footbridge = bc.Beam(length=12.0, mass_per_length=500.0, flexural_rigidity=1e8)
     with pytest.warns(UserWarning, match="heavier than the bridge .* mass_per_length in tonnes"):
         bc.crossing_system(footbridge, truck, 30.0)
+
+
+def test_at_its_default_tolerances_the_control_library_is_off_by_more_than_a_unit_ramp(
+    bridge, truck
+):
+    """1.136 where the paper prints 1.1302, to which tight ones come within 5e-5."""
+    system = bc.crossing_system(bridge, truck, 110 / 3.6, recovery="li2006")
+    time = np.linspace(0, 25 / (110 / 3.6), 1001)
+    tight = {"solve_ivp_kwargs": {"rtol": 1e-9, "atol": 1e-12}}
+    for options, daf in (({}, 1.136), (tight, 1.1302)):
+        moment = ct.input_output_response(system, time, 0, **options).outputs[0]
+        assert moment.max() == pytest.approx(daf, abs=5e-4 if daf == 1.136 else 5e-5)

@@ -1,3 +1,4 @@
+import ast
 import contextlib
 import io
 import re
@@ -75,6 +76,38 @@ def test_each_number_is_shown_by_a_test_or_a_command_that_is_there():
     assert len(shown) > 20
     assert len(run) > 5
     assert [name for name in (*shown, *run) if not (tests / name).is_file()] == []
+
+
+CLAIM = re.compile(
+    r"\b(?:within|by|to) (?:up to |at most |less than |more than )?(?:0\.0\d|[1-9]e-\d+\b(?! m\b))"
+    r"|\d (?:random )?(?:roads|samples) of|of \d+ roads|\d us\b"
+    r"| % (?:lower|higher)|\d times (?:as|faster)|\brms errors?\b.*\d"
+)
+"""How numbers that were measured are told: differences of DAFs, over roads, faster, lower."""
+
+
+def claimed(module):
+    """What a module's docstrings claim, without their examples and what they raise."""
+    for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            told, *_ = str(node.value.value).partition("Examples\n")
+            yield from CLAIM.findall(" ".join(re.sub(r"Raises\n.*?\n\n", "", told).split()))
+
+
+def test_modules_whose_docstrings_claim_numbers_are_told_with_what_shows_them():
+    package = README.parent / "bridgectl"
+    modules = {
+        ".".join(path.relative_to(package).with_suffix("").parts): path
+        for path in package.rglob("*.py")
+    }
+    text = (README.parent / "tests" / "README.md").read_text(encoding="utf-8")
+    part = text.partition("## Claims in docstrings")[2].partition("\n## ")[0]
+    rows = [line.split(" | ") for line in part.splitlines() if line.startswith("| ")][2:]
+    told = {name for row in rows for name in re.findall(r"`([\w.]+)`", row[1])}
+    claims = {name for name, path in modules.items() if any(claimed(path))}
+    assert len(claims) > 10
+    assert claims - told == set()
+    assert told - set(modules) == {"cli.commands"}  # a package
 
 
 def test_what_the_readme_shows_and_links_to_is_there():

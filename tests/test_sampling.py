@@ -91,6 +91,20 @@ def test_stations_that_wander_are_not_even():
     assert not evenly_spaced(np.append(0.5 * np.arange(100), 49.8))  # the end of a cropped road
 
 
+def test_stations_that_stray_a_tenth_of_a_step_change_an_iri_by_less_than_a_hundredth():
+    for seed in range(5):
+        fine = iso8608_elevations(1, "A", 500, 0.05, seed=seed)[0]
+        even = np.arange(1, 499, 0.25)
+        stray = np.random.default_rng(seed).uniform(-0.045, 0.045, even.size) * 0.25
+        assert evenly_spaced(even + stray)
+        told, strayed = (
+            RoadProfile(x, np.interp(x, 0.05 * np.arange(fine.size), fine)).iri()
+            for x in (even, even + stray)
+        )
+        assert strayed != told
+        assert strayed == pytest.approx(told, rel=0.01)
+
+
 def write(path, road, line):
     rows = [line(x, 1e3 * z) for x, z in zip(road.x, road.elevation, strict=True)]
     path.write_text("\n".join(rows), encoding="utf-8")

@@ -114,12 +114,13 @@ def test_no_ramps_are_simulated_for_a_verdict_alone(capsys, monkeypatch):
         return whole(study, damper, piece)
 
     monkeypatch.setattr(scoring, "_part", noted)
-    short = told(capsys, *SCORE)
-    assert pieces == [0, 0]
-    assert "How DAE orders" not in short
-    full = told(capsys, *SCORE, "--full")
-    assert pieces[2:] == [0, 0, *2 * ["unit ramps", "A", "B"]]
-    assert "How DAE orders the strategies" in full
+    case, title = [*SCORE, "--strategies", "passive"], "The DAE over the road class"
+    short = told(capsys, *case)
+    assert pieces == [0]
+    assert title not in short
+    full = told(capsys, *case, "--full")
+    assert pieces[1:] == [0, "unit ramps", "A", "B"]
+    assert title in full
     # One answer: the verdict is the same to the letter.
     end = short.index("Dynamic amplification (DAF)")
     assert full[:end] == short[:end]
@@ -175,6 +176,44 @@ def test_what_speaks_against_the_dae_is_told(capsys, tmp_path):
     rough, level = (told(capsys, DAE[0], tmp_path / name, *DAE[1:]) for name in ("rough", "level"))
     assert re.search(r"at 2 of 2 speeds: .*an IRI of \d+ m/km", rough)
     assert "nothing speaks against it at any speed" in level
+
+
+@pytest.mark.parametrize(
+    ("effects", "rows"),
+    [
+        ("deflection@12.5,bridge_acceleration@12.5", [r"deflection@12.5 .* mm .* mm",
+         r"bridge_acceleration@12.5 +\d+ +- +- +- +\d\.\d+ m/s\^2"]),
+        ("body_acceleration,bridge_acceleration@12.5",
+         [r"body_acceleration +\d+ +-?\d\.\d+ m/s\^2 +\d\.\d+ m/s\^2"]),
+    ],
+)  # fmt: skip
+def test_several_effects_have_a_sentence_and_a_row_each(capsys, effects, rows):
+    out = run_command(capsys, *DAE, "--effect", effects)[1]
+    for name in effects.split(","):
+        assert re.search(rf"^{name}: critical speed: \d+ km/h, ", out, re.MULTILINE)
+    for row in rows:
+        assert re.search(rf"^ {row} *$", out, re.MULTILINE)
+
+
+# Roads
+
+
+def test_of_many_tracks_the_roughest_and_those_too_coarse_are_named(capsys, tmp_path):
+    x, rng = np.arange(0, 250, 0.25), np.random.default_rng(1)
+    tracks = np.cumsum(rng.normal(size=(9, x.size)), axis=1) * np.linspace(0.3, 3, 9)[:, None]
+    for name, step in (("close", 1), ("coarse", 4)):
+        columns = np.column_stack([x, *tracks])[::step]
+        np.savetxt(tmp_path / name, columns, fmt="%.4f", delimiter=",")
+    options = ["--units", "m,mm", "--columns", "0,1,2,3,4,5,6,7,8,9"]
+    out = told(capsys, "profile", tmp_path / "close", *options)
+    found = json.loads(told(capsys, "profile", tmp_path / "close", *options, "--json"))["tracks"]
+    worst = max(found, key=lambda track: track["iri_m_per_km"])
+    good = sum(track["good"] for track in found)
+    assert re.match(rf"{good or 'None'} of 9 tracks (is|are) good", out)
+    assert f"the roughest is {worst['name']} with {worst['iri_m_per_km']:.2f} m/km." in out
+    assert "... and 1 more; --full has all" in out
+    out = told(capsys, "profile", tmp_path / "coarse", *options)
+    assert out.startswith("Measured too coarsely for an IRI or a class: ")
 
 
 # Traffic

@@ -25,6 +25,8 @@ from bridgectl.cli.trucks import vehicle_json
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from bridgectl.surface.trust import DaeTrust
+
 
 @dataclass(frozen=True)
 class DaeStudy:
@@ -39,7 +41,7 @@ class DaeStudy:
     superposed: FloatArray
     simulated: FloatArray
     acceleration: float = 0.0
-    trust: bc.DaeTrust | None = None
+    trust: DaeTrust | None = None
 
     @property
     def critical(self) -> int:

@@ -21,6 +21,7 @@ from bridgectl.model.bridge import BridgeModel
 
 if TYPE_CHECKING:
     from bridgectl.dampers import Damper, Strategy
+    from bridgectl.scoring.changes import Robustness
 
 RANDOM_CLASSES = "AB"
 """ISO 8608 classes of the random roads."""
@@ -64,7 +65,7 @@ def run_score(args: argparse.Namespace) -> None:
             _score(args, asked, case, work, places)
 
 
-def _tell_robustness(args: argparse.Namespace, asked: Asked, found: bc.Robustness) -> None:
+def _tell_robustness(args: argparse.Namespace, asked: Asked, found: Robustness) -> None:
     """Print or draw a study of robustness."""
     from bridgectl.scoring.robust_text import print_robust
 
@@ -112,7 +113,7 @@ def _score(
     options.deliver(args, board.plot, results, show)
 
 
-def _json(asked: Asked, found: bc.Scoreboard | bc.Robustness, **more: Any) -> str:
+def _json(asked: Asked, found: bc.Scoreboard | Robustness, **more: Any) -> str:
     return json.dumps(json.loads(found.to_json()) | {"effect": asked.content, **more}, indent=1)
 
 

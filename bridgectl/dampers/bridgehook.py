@@ -52,7 +52,7 @@ SPACING = 0.7
 """Largest distance between knots on the bridge [m]: an axle hop takes more than a metre."""
 
 KNOTS = 16
-"""Knots on the approach: with three times as many no DAF changes by 0.002."""
+"""Knots on the approach: with three times as many the mean DAF over speeds changes by 0.001."""
 
 PLACES = 32
 """Places where sigma may change its sign come in multiples of this; see `_costate_law`."""
@@ -239,7 +239,8 @@ def bridgehook(
     Notes
     -----
     The paper's truck and bridge, 60 to 120 km/h, 60 m of approach, c from 1 to 30 kN s/m, 200
-    random roads of each ISO class; mean DAF over roads at the worst speed, and over all speeds::
+    random roads of each ISO class (`tests/benchmarks/bridgehook.py`); mean DAF over roads at the
+    worst speed, and over all speeds::
 
                                 class A          class B
         passive 7 kN s/m        1.135  1.055     1.142  1.072
@@ -256,7 +257,8 @@ def bridgehook(
     Told of places some way before or behind the true ones, it loses its gain. Made for that, by
     `position_deviation`, it gives up some of the gain for a smaller loss; a metre is a quarter to a
     third of the way that the truck goes in an axle hop. Changes of the mean DAF from passive at 70,
-    90 and 108 km/h, 120 roads of class A and of class B, errors of either sign::
+    90 and 108 km/h, 120 roads of class A and of class B (`tests/benchmarks/sensors.py`), errors of
+    either sign::
 
         deviation      0 m             0.3 m           1 m             3 m
         no error      -0.078 -0.118   -0.077 -0.118   -0.071 -0.109   -0.051 -0.079
@@ -265,14 +267,13 @@ def bridgehook(
         3 m           +0.019 +0.038   +0.019 +0.036   +0.011 +0.008   -0.013 -0.031
 
     Half a metre of deviation costs nothing (40 roads: 0.001), and helps on a bridge of another
-    frequency: at 1.2 times that known -0.025 -0.025, not -0.022 -0.012; with 1.5 m -0.036 -0.051.
-    More deviation does better than to be passive where |sigma| is below its own deviation over the
-    places: that is at -0.044 -0.078 without an error, 1.5 m of deviation at -0.057 -0.092, and at
-    3 m both are at -0.004 -0.011. `bridgectl.robustness` tries these errors and others.
+    frequency: at 1.2 times that known -0.024 -0.019, not -0.022 -0.009; with 1.5 m -0.032 -0.054,
+    and -0.056 -0.095 without an error. `bridgectl.robustness` tries these errors and others.
 
     It doubles acceleration and travel; by weights they are spared. Mean DAF at 70, 90 and 108 km/h,
-    50 roads of class A and of class B, 95 % within 0.004 (A) and 0.009 (B) of the difference from
-    passive; ride weighted as ISO 2631-1 does, and largest travel, over passive's::
+    50 roads of class A and of class B (`tests/benchmarks/weights.py`), 95 % within 0.004 (A) and
+    0.009 (B) of the difference from passive; ride weighted as ISO 2631-1 does, and largest travel,
+    over passive's::
 
         ride, tire_force     A: DAF  ride  travel     B: DAF  ride  travel
         passive               1.071  1.00  1.00        1.087  1.00  1.00
@@ -286,7 +287,7 @@ def bridgehook(
     At every axle of a truck each damper counts on bridgehook at the others. Trucks of the catalog
     on springs for tires, c from 2 to 30 kN s/m, 100 roads of class A and of class B, 60 to 120
     km/h: changes of the mean DAF from passive 10 kN s/m, 95 % within 0.007 (without feedback 0.01),
-    and that of the worst speed; places wrong by 1 m of either sign::
+    and that of the worst speed; places wrong by 1 m of either sign (`tests/benchmarks/trucks.py`)::
 
                                   T2              T2A01           T5air
         bridgehook               -0.032 -0.061   -0.068 -0.105   -0.101 -0.113

@@ -98,8 +98,8 @@ def clipped_lqr(
     motion, as of two axles on one spring, each leg has the law of its quarter-car alone.
 
     That is the least J before forces are clipped. Clipped to 1 to 30 kN s/m, on class B roads at
-    25 m/s, J was the same as with such laws for the truck T2 of `bridgectl.trucks`, 2 % lower for
-    T5air, 11 % higher for T2A01.
+    25 m/s, J was the same as with such laws for the truck T2 of `bridgectl.trucks`, 5 % lower for
+    T5air, 8 % higher for T2A01.
 
     K is in gains: `travel_gain` and `deflection_gain` [N/m], `body_gain` and `axle_gain` [N s/m],
     for d, e, y_s' and y_t'; so are W and K_t, `static_load` [N] and `tire_stiffness` [N/m]. Of a

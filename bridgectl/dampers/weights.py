@@ -32,11 +32,10 @@ best damping is the least of a parabola, within the bounds, c_p that of the pass
     c = c_p - sigma / (2 q v)
 
 With no weight on the ride q is 0, and c at one of its bounds: c_max where sigma v < 0. With one, c
-that were always at a bound would have, at the same ride of 1.3 times the passive one, mean DAFs
-0.002 (class A) and 0.014 (B) higher on the roads of `bridgectl.dampers.bridgehook`. The road is
+that were always at a bound would have, at the same ride, higher mean DAFs. The road is
 white as in `bridgectl.dampers.peak_value`, z is its deviation from a smooth road's crossing, and
 the other legs have their passive dampings. The velocities of its own leg tell a damper enough of
-z: with the travel measured too, no mean DAF at the same ride was lower by more than 0.005.
+z: with the travel measured too, hardly a mean DAF at the same ride was lower.
 """
 
 from __future__ import annotations
@@ -64,10 +63,8 @@ TRAVEL = 0.01
 SHARE = 0.5
 """Of what the passive vehicle's motion would yet cost, what it costs with a damper that chooses.
 
-Chosen for the mean DAF at the same ride, some 1.3 times the passive one, on 20 roads of class A and
-20 of B: 1 has one higher by up to 0.009. In J with seven sets of weights, on 10 roads of each
-class, 0.5 is within 0.005 (A) and 0.023 (B) of the best share, 0 within 0.005 and 0.079, 1 within
-0.010 and 0.001: with large weights on rough roads more than a half is left.
+Chosen for the mean DAF at the same ride, some 1.3 times the passive one, on roads of class A and B,
+where 1 has a higher one, and for J: with large weights on rough roads more than a half is left.
 """
 
 

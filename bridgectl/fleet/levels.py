@@ -173,9 +173,9 @@ class Reading:
 def ratio(total: Reading, static: Reading) -> Estimate:
     """Return the ratio of the two, its interval of crossings (or blocks) drawn again in pairs.
 
-    It is as wide as those of the two, see `DEGREES`. Of 60 samples of 10 000 crossings it held the
-    ratio of 1000 years of bounded static effects with unbounded, independent amplification in 90 %,
-    and a plain one in 73 %: such a tail changes its shape beyond what was seen.
+    It is as wide as those of the two, see `DEGREES`, and holds less often than they do the ratio of
+    1000 years of bounded static effects with unbounded, independent amplification: such a tail
+    changes its shape beyond what was seen.
     """
     from scipy.stats import chi2
 

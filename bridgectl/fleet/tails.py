@@ -32,9 +32,8 @@ CONFIDENCE = 0.95
 DEGREES = 2
 """Of freedom of the chi-square that a profile may fall by.
 
-Over 300 to 500 samples of 10 000 or 100 000 crossings of exponential, Gumbel, Weibull (shapes 1.5
-and 2), Pareto and normal parents, intervals of one crossing in 2.5e8 held the value in 95 to 99 %;
-those of one degree in 87 to 95 %.
+Of 100 samples of 10 000 crossings of exponential, Gumbel, Weibull and Pareto parents, intervals of
+one crossing in 2.5e8 held the value in 95 and more; those of one degree hold it less often.
 """
 
 DAYS_A_YEAR = 250.0

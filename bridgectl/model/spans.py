@@ -38,7 +38,8 @@ from bridgectl.model.supports import (
 )
 
 MODES_A_SPAN = 6
-"""DAFs of moments at 20 to 30 m/s on spans of 25 m are then within 6e-4 of those of 24 modes."""
+"""DAFs of moments at 20 to 30 m/s on spans of 25 m are then within 6e-4 of those of 24 modes
+(``tests/test_spans.py``)."""
 
 QUANTITIES = ("moment", "deflection", "shear", "reaction")
 

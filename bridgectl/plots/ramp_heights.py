@@ -23,8 +23,8 @@ def ramp_height_figure(found: Sequence[RampHeightsShown]) -> Figure:
     One panel for each damper: the simulated DAF of a ramp that falls or rises, Eq. (15), which is
     the straight line of a 1 mm drop, and the DAE of order 2, the parabola through the smooth road
     and the points u+ and u- of a drop and a rise of height h. The even part e, what drop and rise
-    have in common, is marked on the smooth road. A typical place and speed: bridgehook has larger
-    even effects at half of all, and smaller ones.
+    have in common, is marked on the smooth road. Bridgehook has larger even effects at other
+    places and speeds, and smaller ones.
     """
     place = _one_place(found)
     rows, columns = -(-len(found) // IN_A_ROW), min(len(found), IN_A_ROW)

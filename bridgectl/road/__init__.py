@@ -16,11 +16,10 @@ from bridgectl.road.iso8608 import iso8608_elevations
 from bridgectl.road.iso8608 import iso8608_profile as iso8608_profile
 from bridgectl.road.profile import RoadProfile as RoadProfile
 from bridgectl.road.shapes import bump, plank, ramp, settlement, step
-from bridgectl.road.survey import surveyed_profile
 
 __all__ = [
     "add_events", "bump", "iso8608_elevations", "plank", "ramp", "settlement", "shaping_filter",
-    "step", "surveyed_profile", "tire_footprint",
+    "step", "tire_footprint",
 ]  # fmt: skip
 
 

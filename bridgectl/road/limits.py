@@ -10,7 +10,7 @@ from bridgectl._places import SAME_PLACE
 
 MAX_SLOPE = 1.0  # [m/m]; no road climbs at 45 degrees, but millimetres read as metres do
 TEXTURE = 0.005  # [m]; stones are so high
-JITTER = 0.1  # of a step; stations that stray no farther, whatever from, change an IRI by 0.1 %
+JITTER = 0.1  # of a step; stations that stray no farther change an IRI by less than 1 %
 ROUNDED = 0.55  # of a step; rounded stations stray no farther
 ROUND_OFF = 1.5  # of the last decimal; stations rounded by half of it either way stray no farther
 DECIMAL_UNITS = (1.0, 0.3048, 0.0254)  # [m]; units whose decimals stations are rounded to

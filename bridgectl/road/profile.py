@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from bridgectl._places import SAME_PLACE, even_places, whole_pieces
 from bridgectl.road.elevations import Elevations
 from bridgectl.road.limits import require_gentle, require_increasing
 from bridgectl.road.sampling import measured_step
+from bridgectl.road.survey import means_along
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -74,6 +75,77 @@ steps 0.1 to 21.9 m)
         require_gentle(stations, heights)
         self._x, self._elevation, self._name = stations, heights, name
         self._measured_step = None
+
+    @classmethod
+    def from_survey(
+        cls,
+        east: ArrayLike,
+        north: ArrayLike,
+        elevation: ArrayLike,
+        *,
+        bridge: Sequence[float] | None = None,
+        step: float = 0.25,
+        name: str = "",
+    ) -> RoadProfile:
+        """Return the road of one wheel path from surveyed points, in the order of driving.
+
+        Stations are lengths along a smooth line through all points, so that their noise does not
+        stretch the road. Where several points lie within one step, their mean counts.
+
+        Parameters
+        ----------
+        east, north : array_like, shape (n,)
+            Coordinates of the points [m], as of UTM; the first and the last tell the direction.
+        elevation : array_like, shape (n,)
+            Their elevations [m], positive up.
+        bridge : (float, float), optional
+            East and north of the start of the bridge [m], where stations begin. Default: the first
+            point.
+        step : float, optional
+            Distance between the stations of the road [m].
+        name : str, optional
+            A label for tables and plots.
+
+        Returns
+        -------
+        RoadProfile
+            With even stations.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If the arrays are not of one length, hold degrees, or lie on no smooth line, or the line
+            is shorter than a step.
+
+        Warns
+        -----
+        UserWarning
+            If there are stretches above one foot (0.305 m) without a point, where the road counts
+            as straight.
+
+        Notes
+        -----
+        Noise of heights remains, less by the square root of the points in a step, and looks like
+        roughness: 1 mm at each step of 0.25 m alone has an IRI of 1.6 m/km. Compare two passes. The
+        mean over a step lowers the IRI by 4 % at 0.25 m.
+
+        Examples
+        --------
+        Degrees first become metres about a point, here about the abutment:
+
+        >>> import numpy as np
+        >>> from bridgectl import RoadProfile
+        >>> latitude, longitude = np.linspace(50, 50.001, 900), np.linspace(14, 14.001, 900)
+        >>> north = np.radians(latitude - 50.0005) * 6.371e6
+        >>> east = np.radians(longitude - 14.0005) * 6.371e6 * np.cos(np.radians(50))
+        >>> road = RoadProfile.from_survey(east, north, 200 + 0.01 * north, bridge=(0, 0))
+        >>> road.x[[0, -1]]
+        array([-66.,  66.])
+        """
+        length = check.positive("step", step, unit="m")
+        x, heights = means_along(east, north, elevation, bridge, length)
+        road = cls(x, heights, name=name)
+        return road.resample(length, start=float(np.ceil(x[0] / length)) * length)
 
     @classmethod
     def _trusted(

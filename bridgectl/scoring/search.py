@@ -2,8 +2,8 @@
 
 DAFs are maxima, and laws switch from sample to sample: looked at closely the objective of most laws
 is rough, from afar it is flat and has several valleys. For the laws of the library differential
-evolution found lower DAFs than L-BFGS-B with differences, in up to twice the time, as all gains of
-a generation run side by side. A program is smooth, has many gains, and an exact gradient.
+evolution found lower DAFs than L-BFGS-B with differences, in comparable time, as all gains of a
+generation run side by side. A program is smooth, has many gains, and an exact gradient.
 """
 
 from __future__ import annotations

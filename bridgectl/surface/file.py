@@ -3,7 +3,7 @@
 A file holds the arrays of a `RampSurface` under their names ('daf_unit', 'histories.rows')
 and one text, 'header': JSON with the format's version, every parameter ('beam.length'), the
 class of every part, the units and axes of the arrays, and a sum of all that. Nothing in it is
-pickled. It is not compressed: that would save a third of the bytes, and take longer than to compute
+pickled. It is not compressed: that would save a part of the bytes, and take longer than to compute
 the surface.
 """
 

@@ -59,7 +59,7 @@ def at_work(value: Any, x: Array, history: Mapping[str, Array], title: str) -> F
     ]:
         tables.plot(value.positions, 1e6 * part, color=color, label=label)
     tables.set(ylabel="parts of " + SIGMA.replace(" [", "\n["), title="what the controller stores")
-    tables.legend(loc="upper left", ncols=3)
+    tables.legend(loc="lower left")
     velocity.axhline(0, color=style.GREY, lw=0.8)
     velocity.plot(x, history["suspension_velocity"], color=style.BLACK, lw=1)
     velocity.set(ylabel="suspension\nvelocity v [m/s]", title=title)

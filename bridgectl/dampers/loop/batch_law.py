@@ -1,7 +1,7 @@
 """A strategy's command for many speeds and roads at once: its CasADi expression on numpy arrays.
 
 CasADi evaluates an expression case by case. Here each of its operations is done for all cases
-before the next one, on arrays of signals that broadcast: twenty times faster for some thousand
+before the next one, on arrays of signals that broadcast: many times faster for some thousand
 cases, and what depends on position or speed alone is computed once for all roads.
 """
 
@@ -124,13 +124,22 @@ class BatchLaw:
                     if (name := _told(step, self.signals)) in given:
                         known[k] = given[name]
                 elif all(i in known for i in step.takes):
-                    known[k] = _do(step, known)
-        self.remaining = [k for k in range(len(steps)) if k not in known]
+                    known[k] = _operation(step)(*[known[i] for i in step.takes])
+        remaining = [k for k in range(len(steps)) if k not in known]
         # Only what is taken later is kept: tables of many places are long.
         given_back = sorted((step.gives, k) for k, step in enumerate(steps) if step.gives)
         self.outputs = [k for _, k in given_back]
-        taken = {i for k in self.remaining for i in steps[k].takes} | set(self.outputs)
-        self.known = {k: value for k, value in known.items() if k in taken}
+        taken = {i for k in remaining for i in steps[k].takes} | set(self.outputs)
+        kept = {k: value for k, value in known.items() if k in taken}
+        # Told apart once, since a sample of few cases takes hardly longer than to do so.
+        self.inputs = [(k, steps[k]) for k in remaining if steps[k].operation == ca.OP_INPUT]
+        self.operations = [
+            (k, _operation(steps[k]), steps[k].takes)
+            for k in remaining
+            if steps[k].operation != ca.OP_INPUT
+        ]
+        self.known = {k: value for k, value in kept.items() if np.ndim(value) == 0}
+        self.tables = [(k, value) for k, value in kept.items() if np.ndim(value)]
 
     def command(
         self,
@@ -143,33 +152,27 @@ class BatchLaw:
 
         `sample` is one of those foreseen. Signals tell the shape (S, R) by what they broadcast to.
         """
-        shape = np.broadcast_shapes(*(np.shape(value) for value in signals.values()))
+        shape = np.broadcast_shapes(*{np.shape(value) for value in signals.values()})
         inputs = signals, self._gains(shape), memory, ahead
         if self.steps is None:
             return self._one_by_one(inputs, shape)
         with np.errstate(all="ignore"):  # a branch that is not taken may divide by zero
-            found, *after = self._together(self.steps, inputs, shape, sample)
+            found, *after = self._together(inputs, shape, sample)
             c = numbers(f"law of {self.name}", found)
             if not after:
                 return c, memory
             return c, numbers(f"update of {self.name}", np.stack(after, axis=1))
 
-    def _together(
-        self, steps: list[_Step], inputs: _Inputs, shape: tuple[int, ...], sample: int
-    ) -> list[FloatArray]:
+    def _together(self, inputs: _Inputs, shape: tuple[int, ...], sample: int) -> list[FloatArray]:
         """Step after step, each for all cases."""
-        values: dict[int, Any] = {}
-        for k, value in self.known.items():
-            if np.ndim(value):
-                column = sample if value.shape[1] > 1 else 0
-                value = value[: shape[0], column : column + 1]
-            values[k] = value
-        for k in self.remaining:
-            step = steps[k]
-            if step.operation == ca.OP_INPUT:
-                values[k] = _input(step, self.signals, *inputs)
-            else:
-                values[k] = _do(step, values)
+        values: dict[int, Any] = dict(self.known)
+        for k, table in self.tables:
+            column = sample if table.shape[1] > 1 else 0
+            values[k] = table[: shape[0], column : column + 1]
+        for k, step in self.inputs:
+            values[k] = _input(step, self.signals, *inputs)
+        for k, operation, takes in self.operations:
+            values[k] = operation(*[values[i] for i in takes])
         return [np.broadcast_to(values[k], shape) for k in self.outputs]
 
     def _one_by_one(self, inputs: _Inputs, shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
@@ -260,6 +263,5 @@ def _input(
     return gains[entry] if which == 1 else (memory if which == 2 else ahead)[:, entry]
 
 
-def _do(step: _Step, values: Mapping[int, Any]) -> Any:
-    taken = [values[i] for i in step.takes]
-    return taken[0] if step.operation == ca.OP_OUTPUT else OPERATIONS[step.operation](*taken)
+def _operation(step: _Step) -> Operation:
+    return OPERATIONS[ca.OP_ASSIGN if step.operation == ca.OP_OUTPUT else step.operation]

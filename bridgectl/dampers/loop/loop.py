@@ -116,6 +116,7 @@ class Loop:
         `observe` is told the state after each step, and how far the fastest has come [m].
         """
         now, plan = self.at_start(), self.plan
+        view = now  # of those under way, as they change: made anew where these do
         known = 1  # roads whose first ramp has been reached: they follow the first until then
         for rounds, on_bridge in self._chunks():
             if on_bridge and rounds.start == plan.entry:
@@ -127,7 +128,8 @@ class Loop:
             for k in range(rounds.start, rounds.stop):
                 here = plan.at_work(slice(k, k + 1))
                 known = self._follow(now, known, plan.edges[:here, k, -1].max())
-                view = now.view(here, known)
+                if view.peak.shape != (here, known):
+                    view = now.view(here, known)
                 self._sample(view, k)
                 for step in range(per_round):
                     column = (k - rounds.start) * per_round + step
@@ -212,7 +214,7 @@ class Loop:
             switched[first] = False
             now.switches[:, leg] += switched
             command[:] = wanted
-            jumps = np.ones_like(first) if damper.lag == 0 else first
+            jumps = slice(None) if damper.lag == 0 else first
             now.damping[jumps, leg] = wanted[jumps]
         now.sampled_force[:] = now.force
         for name, kept in self.kept.items():

@@ -43,7 +43,7 @@ INFEASIBLE = 2
 """Of `scipy.optimize.linprog`."""
 
 OPTIONS: Any = {"presolve": False}
-"""Of the solver HiGHS: programs are small and dense, and take half as long again with presolve."""
+"""Of the solver HiGHS: programs are small and dense, and take longer with presolve."""
 
 
 class Program(NamedTuple):

@@ -105,7 +105,7 @@ def _open_loop(
     """Damping over position, sampled where its intervals start.
 
     Read from a table: `bridgectl.dampers.program`, a choice for each of hundreds of places, takes
-    ten times as long.
+    far longer.
     """
     x = ca.MX.sym("x")
     place = ca.low(ca.DM(np.append(positions - EARLIER, np.inf)), x)

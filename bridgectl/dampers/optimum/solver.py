@@ -27,7 +27,7 @@ SOLVER: Any = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "ipopt.max_iter": 300,
-    # A thousand bounds share the gap to the optimum: at 1e-5 it is 0.001 of the DAF.
+    # A thousand bounds share the gap to the optimum: at 1e-5 it would show in the DAF.
     "ipopt.tol": 1e-6,
     "ipopt.mu_strategy": "adaptive",
 }

@@ -219,7 +219,8 @@ def preview_hook(
     tire are taken for exact, the bridge's modes for those of the plan.
 
     The paper's truck and bridge, 60 m of approach, c from 1 to 30 kN s/m, samples 4 ms apart; mean
-    DAF over 40 random roads of each ISO class at 70, 90 and 108 km/h::
+    DAF over 40 random roads of each ISO class at 70, 90 and 108 km/h, by
+    `tests/benchmarks/rollout.py`::
 
                              class A                  class B
         passive 7 kN s/m     1.070   1.012   1.127    1.091   1.038   1.124
@@ -249,8 +250,8 @@ def preview_hook(
     between the bounds and random roads beyond the preview were tried: none is clearly better.
 
     Where there is a C compiler, closed loops use the law compiled: a decision takes 30 to 45 us on
-    one core, of a hundred the longest some 0.1 ms; without one ten times as long. The law of a
-    speed in C is a file of some 250 kB.
+    one core, of a hundred the longest some 0.1 ms; without one far longer. The law of a speed in C
+    is a file of some 300 kB.
 
     Examples
     --------

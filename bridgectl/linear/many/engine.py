@@ -41,7 +41,8 @@ LOW = 0.1
 
 APART = 3e-4
 """Largest change of a tire force by the last pass, over its static load, as on bridges as light as
-the vehicle: factors and tire forces are then within 3e-7, and tens of times as far off at 2e-3."""
+the vehicle: factors and tire forces are then within 3e-7 (``tests/test_many.py``), and tens of
+times as far off at 2e-3."""
 
 WIDEST_PIECE = 0.25
 """Widest piece [m] of the tables of places, which are as many as there are waves at least."""
