@@ -60,12 +60,15 @@ def run_assess(args: argparse.Namespace) -> None:
         write(str(args.table))
     rule = {"method": args.method, "days_a_year": args.days_a_year}
 
+    steps = [] if found.trucks_a_day else [PERIOD_STEP]
+    steps += [] if args.weighed or args.fleet else [TRUCKS_STEP]
+
     def show() -> None:
         print_assessment(found, args.return_period, rule, full=args.full, section_modulus=modulus)
         print(*places, sep="\n", end="\n" * bool(places))
         if args.table is not None:
             print(f"Table: {args.table}")
-        print(next_steps(args, *([] if args.trucks_a_day else [PERIOD_STEP]), TRUCKS_STEP))
+        print(next_steps(args, *steps))
 
     def draw() -> dict[Path, Figure]:
         return {

@@ -85,7 +85,8 @@ def _show(args: argparse.Namespace, tracks: Sequence[TrackMeasures]) -> None:
         print_segments(tracks, args.segment)
     elif (more := len(tracks) - FEW_TRACKS) > 0:
         console.print(f"... and {more} more; --full has all")
-    print(next_steps(args))
+    if steps := next_steps(args):
+        print(steps)
     given = [] if args.file is None else [args.file]
     given += [] if args.units is None else ["--units", args.units]
     print("\nWhat it does to a bridge:", shlex.join(["bridgectl", "dae", *given]))

@@ -378,7 +378,8 @@ class Assessment(Crossings):
         a_day = self.trucks_a_day if trucks_a_day is None else trucks_a_day
         if a_day is None:
             raise ValueError(
-                "trucks_a_day must be said for a return period: type trucks_a_day=1000"
+                "trucks_a_day must be said for a return period: type trucks_a_day=1000, "
+                "or --trucks-a-day 1000"
             )
         limit = None if threshold is None else sign * check.number("threshold", threshold)
         rule = Rule(method, return_period, a_day, days_a_year, block, limit, sign).checked()
