@@ -218,8 +218,9 @@ def test_a_mistake_is_one_line_and_status_2(capsys, options, says):
 
 @pytest.mark.slow
 def test_the_class_dae_orders_dampers_on_a_bridge_where_eq_15_does_not():
-    """35 m, 20 pairs of road and mirror image at 3 speeds; all of it takes `validate --dampers`."""
-    for case in validate_dampers(np.arange(60, 121, 30) / 3.6, [35], 20, workers=1):
+    """35 m, 12 pairs of road and mirror image at 2 speeds; all of it takes `validate --dampers`."""
+    speeds = np.array([75, 110]) / 3.6
+    for case in validate_dampers(speeds, [35], 12, approach=50, workers=1):
         assert case.tau_eq_15.tau < 0.3
         assert case.tau.tau > 0.7
         assert case.clear_pairs.share >= 0.9
