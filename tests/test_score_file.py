@@ -245,7 +245,7 @@ def test_a_file_of_the_first_format_is_refused(file):
     header = {"format": "bridgectl score", "version": 1, **STUDY, "bridgectl": "0.1.0"}
     file.write_text(json.dumps(header) + '\n{"part": "passive", "key": "0a"}\n', encoding="utf-8")
     assert refused(file) == (
-        "FILE holds another study: its version is 1 of the format, not 3; type the name of a new "
+        "FILE holds another study: its version is 1 of the format, not 4; type the name of a new "
         "file"
     )
 

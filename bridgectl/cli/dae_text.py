@@ -52,8 +52,19 @@ def print_short(studies: Sequence[Study], section_modulus: float | None = None) 
         "",
         crossing_in_words(first.surface.beam, first.surface.vehicle),
         f"{first.place}, {first.surface.approach:g} m of approach",
+        *_motion_words(first),
         sep="\n",
     )
+
+
+def _motion_words(study: Study) -> list[str]:
+    """Say of what brakes or speeds up where it does so."""
+    if not study.acceleration:
+        return []
+    return [
+        f"Simulated with {study.acceleration:g} m/s^2 from the start of the bridge on, the speeds "
+        "those there; all else at constant speed"
+    ]
 
 
 def amounts_of(study: Study, section_modulus: float | None) -> Amounts:
@@ -193,11 +204,8 @@ def print_full(studies: Sequence[Study]) -> None:
         f"{first.place}\n"
         f"Bridge: {surface.beam!r}\nVehicle: {surface.vehicle!r}\n"
     )
-    if first.acceleration:
-        console.print(
-            f"Simulated with {first.acceleration:g} m/s^2 from the start of the bridge on, the "
-            "speeds those there; all else at constant speed\n", soft_wrap=True,
-        )  # fmt: skip
+    for words in _motion_words(first):
+        console.print(f"{words}\n", soft_wrap=True)
     for study in studies:
         _print_speeds(console, study)
         _print_largest(console, study)
