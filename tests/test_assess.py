@@ -81,6 +81,7 @@ def test_the_same_trucks_cross_on_each_quality_and_every_road_is_used(bridge, fl
     assert by_quality[0]["daf moment"].mean() < by_quality[1]["daf moment"].mean()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", [{"workers": 2}, {"workers": 1}])
 def test_workers_and_resumption_change_no_bit(bridge, fleet, roads, tmp_path, options):
     whole = assess(bridge, fleet, roads)

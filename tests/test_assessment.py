@@ -78,6 +78,7 @@ def test_the_ratio_of_identical_trucks_on_a_level_road_is_their_daf(n, method):
     assert found == (total / static,) * 3
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("method", ["block maxima", "peaks over threshold"])
 def test_identical_trucks_on_a_rough_road_have_a_ratio_with_an_interval(method):
     """Their static effect is known; the ratio is the characteristic DAF."""
@@ -98,6 +99,7 @@ def test_the_ratio_of_a_daf_that_is_the_same_for_all_is_that_daf(traffic_of_truc
     assert np.array(found) == pytest.approx(1.2, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_the_ratio_is_far_below_the_daf_that_light_trucks_have(one_road):
     """Their DAF is 1.4 in one crossing of a hundred; heavy trucks are amplified by less."""
     ratio = one_road.adr()
@@ -164,6 +166,7 @@ def test_differences_are_between_the_same_trucks(two_roads):
     assert half["C"].low < half["C"].value < half["C"].high < 0
 
 
+@pytest.mark.slow
 def test_dampers_lower_the_characteristic_total_effect_and_leave_the_static_one(two_roads):
     plain, damped = (two_roads.characteristic(quality="C", damper_share=share) for share in (0, 1))
     assert damped.total.value < plain.total.value
@@ -399,6 +402,7 @@ FIGURES = {
 }
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.usefixtures("few_draws")
 @pytest.mark.parametrize("options", FIGURES.values(), ids=FIGURES)
 def test_the_figure_has_units_and_draws_what_the_methods_tell(two_roads, options):

@@ -143,6 +143,7 @@ def test_closed_loops_are_the_same(pair, road, law):
     assert second == pytest.approx(first, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_bridgehook_knows_both_alike(pair, road):
     """Its tables come from both: a switch within round-off of zero may fall on the other side."""
     dafs = [

@@ -263,6 +263,7 @@ def test_without_suspension_velocity_it_is_soft(feedback):
     assert law.command(position=5.0, body_velocity=0.1, axle_velocity=0.1) == SOFT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("feedback", LAWS)
 def test_the_laws_of_all_speeds_are_evaluated_together(feedback):
     speeds = np.arange(40, 141, 10) / 3.6

@@ -145,6 +145,7 @@ def test_surfaces_of_one_way_of_several_tires_and_of_a_preset_damper_have_it_too
     assert mean == pytest.approx(loop.daf.mean(axis=1), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_damper_with_noise_lag_and_limit_is_known_again(bridge, truck):
     damper = Damper(LAWS["skyhook"], lag=0.01, max_force=15e3, velocity_noise=0.02, seed=3)
     noisy = bc.ramp_surface(bridge, truck, SPEEDS, every=50, damper=damper, **OPTIONS)

@@ -266,6 +266,7 @@ def test_a_damaged_road_file_ends_in_numbers_or_in_one_line(capsys, tmp_path, da
         assert err.startswith("bridgectl: error: ")
 
 
+@pytest.mark.slow
 def test_the_program_runs_as_a_module_into_a_closed_pipe():
     program = f"{sys.executable} -m bridgectl dae --approach 10 --speeds 80 | head -n 1"
     done = subprocess.run(

@@ -146,6 +146,7 @@ def test_round_values_of_constant_dampers_stay_within_narrow_bounds(capsys, monk
     assert err.endswith("7 kN s/m, passive 1.24 kN s/m, passive 1.3 kN s/m, passive 1.35 kN s/m\n")
 
 
+@pytest.mark.slow
 def test_what_a_file_keeps_is_not_done_again(capsys, monkeypatch, tmp_path):
     kept = tmp_path / "score.jsonl"
     _, first, _ = run(capsys, *TWO, "--resume", kept, "--json")

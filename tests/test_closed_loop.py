@@ -157,6 +157,7 @@ def test_bridgehook_beats_the_best_constant_damper_and_that_beats_the_others(bri
     assert hook == pytest.approx([0.986, 0.963, 1.073], abs=0.03)
 
 
+@pytest.mark.slow
 def test_noise_is_the_same_for_the_same_seed_and_changes_the_switching(bridge, truck):
     x, z = -10 + 0.1 * np.arange(351), iso8608_elevations(2, "A", 35, seed=2)
 

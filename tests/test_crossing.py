@@ -264,6 +264,7 @@ def test_a_truck_heavier_than_the_bridge_draws_a_warning(truck):
         bc.crossing_system(footbridge, truck, 30.0)
 
 
+@pytest.mark.slow
 def test_at_its_default_tolerances_the_control_library_is_off_by_more_than_a_unit_ramp(
     bridge, truck
 ):

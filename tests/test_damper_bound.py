@@ -112,6 +112,7 @@ def test_control_from_further_before_the_bridge_can_do_more(bridge, truck):
     assert early.best.damping[0] == pytest.approx(7e3)
 
 
+@pytest.mark.slow
 def test_the_best_damping_has_in_the_closed_loop_the_daf_that_is_told(bridge, truck):
     profile = road(6)
     coarse, fine = (

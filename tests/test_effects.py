@@ -42,7 +42,7 @@ def test_superposed_effects_are_those_the_propagator_simulates(bridge, truck, ef
     assert np.all(np.abs(surface.superposed_daf(road) - simulated) < scale)
 
 
-@pytest.mark.quick_cases(4)
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize("effect", EFFECTS)
 @pytest.mark.parametrize("seed", [1, 4])
 def test_each_effect_is_that_of_the_control_library(effect, seed):

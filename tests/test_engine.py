@@ -207,6 +207,7 @@ def test_work_that_fails_fails_with_its_own_error(scheduler, request):
 # Schedulers that are silent, gone, or none
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_does_not_answer_is_told_in_a_line(capsys, monkeypatch):
     monkeypatch.setattr(_dask, "ANSWER", 0.3)
     with socket.socket() as silent:

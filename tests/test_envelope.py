@@ -262,6 +262,7 @@ def test_an_envelope_tells_where_the_vehicle_is(haunched, truck):
             assert response.outputs["it"][-1] == pytest.approx(value, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_envelope_of_a_truck_that_creeps_is_the_static_one(spans, truck):
     """Within half a percent of the largest moment at 0.5 m/s."""
     damped = replace(spans, n_modes=4, damping_ratio=0.05)
@@ -294,6 +295,7 @@ def test_a_symmetric_bridge_and_a_mirrored_truck_have_mirrored_static_envelopes(
     assert back.static_smallest == pytest.approx(there.static_smallest[::-1], abs=limit)
 
 
+@pytest.mark.slow
 def test_places_are_even_ones_with_supports_and_steps(haunched, bridge, truck):
     moments = bc.envelope(haunched, truck, 25.0)
     assert set(haunched.kinks(0.5)) <= set(moments.places)

@@ -19,7 +19,7 @@ def fits(elevations, step=0.1):
     return np.array([RoadPsd(n, density, averages).fit() for density in densities]).T
 
 
-@pytest.mark.quick_cases(2)
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("waviness", [1.0, 1.5, 2.0, 3.0])
 def test_the_fitted_line_is_the_one_asked_for_in_the_mean_of_200_roads(method, waviness):

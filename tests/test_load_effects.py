@@ -292,6 +292,7 @@ def test_the_work_of_the_tires_on_three_spans_is_energy_and_what_damping_took(tr
     assert simpson(power, x=time) == pytest.approx(energy + simpson(losses, x=time), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_score_is_of_the_effect_that_is_asked_for(truck, two_spans, tmp_path):
     hogging, roads = bc.Moment(25.0, sense="smallest"), [rough_road(s, -5, 46) for s in (1, 2)]
     asked = {"approach": 5, "workers": 1, "progress": False, "resume": tmp_path / "score.jsonl"}

@@ -44,6 +44,7 @@ def test_import_help_of_every_command_and_mistakes_load_no_library():
     assert loaded(calls(["--help"], ["--version"], *helps, *mistakes)) == []
 
 
+@pytest.mark.slow
 def test_the_first_daf_loads_neither_dampers_nor_tables():
     daf = "import bridgectl as bc; bc.daf(bc.li2006.beam(), bc.li2006.car(), [25.0])"
     found = {*loaded(daf)}

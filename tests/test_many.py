@@ -110,6 +110,7 @@ EFFECTS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_several_effects_are_read_of_one_propagation(bridge):
     vehicles, speeds, roads = fleet(3, 6)
     found = bc.daf(bridge, vehicles, speeds, roads, start=START, effect=EFFECTS)
@@ -120,6 +121,7 @@ def test_several_effects_are_read_of_one_propagation(bridge):
     assert np.array_equal(found, alone)
 
 
+@pytest.mark.slow
 def test_hogging_over_a_pier_and_its_reaction():
     two_spans = bc.Bridge([20, 25], 18358, 4.865e10)
     effects = [bc.Moment(20.0, sense="smallest"), bc.Moment(8.0), bc.Reaction(20.0), "deflection"]

@@ -31,7 +31,7 @@ BRIDGES = {
 }
 
 
-@pytest.mark.quick_cases(4)
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize("name", BRIDGES)
 @pytest.mark.parametrize(
     "effect", [bc.Moment(8.0), bc.Deflection(8.0), bc.TireForce(), bc.Shear(8.0)], ids=repr

@@ -468,6 +468,7 @@ def test_a_ramp_surface_of_a_law_with_states_is_of_crossings_one_by_one(law):
         assert abs(found[1] - found[0]) > 1e-3
 
 
+@pytest.mark.slow
 def test_laws_with_states_are_scored_and_told_apart_by_their_initial_values(tmp_path):
     """By a file that keeps the work, too; DAFs are those of the crossings one by one."""
     roads = [bc.RoadProfile(X, z, name=str(i)) for i, z in enumerate(ROADS)]

@@ -126,6 +126,7 @@ def test_both_routes_agree_on_20_random_trucks_motions_and_bridges(seed):
     compared(seed)
 
 
+@pytest.mark.slow
 def test_accelerations_of_a_braking_truck_are_those_of_the_other_route():
     given = {"effect": bc.BodyAcceleration(2), "start": -10.0}
     fast = bc.peak_effect(BEAM, TRUCK, STOPPING, **given)

@@ -126,6 +126,7 @@ def test_accelerometers_and_travel_have_noise_of_their_own(bridge, truck):
     assert np.abs(np.corrcoef(every) - np.eye(3)).max() < 0.06
 
 
+@pytest.mark.slow
 def test_noise_is_white_and_of_its_deviation(bridge, truck):
     x = np.linspace(0, 100, 5)
     damper = Damper(passive(7e3), velocity_noise=0.05, max_force=1e9)

@@ -117,6 +117,7 @@ def test_a_single_interval_is_a_constant_damper(bridge, truck, road):
     assert found.daf == pytest.approx(simulated(bridge, truck, constant, road), abs=1e-4)
 
 
+@pytest.mark.slow
 def test_other_sections_recoveries_and_starts_on_the_bridge_are_simulated_alike(bridge, truck):
     road = rough_road(3, 0, 25)
     options = {"section": 0.4, "recovery": "li2006"}

@@ -45,7 +45,7 @@ def test_a_law_of_other_legs_is_its_fine_integration(truck, seed):
     assert (found.least_force[0, 0] == 0) == (fine.least == 0) == lift_off
 
 
-@pytest.mark.quick_cases(3)
+@pytest.mark.quick_cases(2)
 @pytest.mark.parametrize("signal", SIGNALS)
 def test_a_legs_own_signal_by_its_name_or_number_is_its_own(bridge, vehicle, road, signal):
     """With noise of each sensor, which is the same whoever listens."""
@@ -217,6 +217,7 @@ def test_a_law_that_measures_elsewhere_at_another_speed_is_refused(bridge, vehic
         bc.daf(bridge, vehicle, [20.0, 30.0], damper=law)
 
 
+@pytest.mark.slow
 def test_scores_of_laws_that_differ_in_the_leg_alone_are_kept_apart(
     bridge, vehicle, road, tmp_path
 ):

@@ -91,6 +91,7 @@ def test_the_variances_are_the_integrals_of_the_spectrum(truck):
     assert np.trapezoid(spectra, f) == pytest.approx(expected, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_the_load_coefficients_of_a_long_drive_are_those_of_theory(truck):
     """Road, vehicle and measure end to end: 10 km of class A at 25 m/s, waves to 300 m."""
     step = 0.1

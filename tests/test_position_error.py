@@ -35,7 +35,7 @@ def told(damper, bridge, truck, speeds, roads):
     return (first[..., 0] - 1e3) / 10 - X[0]
 
 
-@pytest.mark.quick_cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("error", [-2.5, 0.3])
 def test_a_program_told_of_a_place_ahead_is_one_with_its_places_behind(bridge, truck, roads, error):
     lost = Damper(SWITCHED, position_error=error)

@@ -439,6 +439,7 @@ def test_nothing_is_loaded_before_it_is_used():
     subprocess.run([sys.executable, "-c", program], check=True)
 
 
+@pytest.mark.slow
 def test_a_crossing_without_a_damper_does_not_load_casadi():
     program = (
         "import sys, bridgectl as b; beam, car = b.li2006.beam(), b.li2006.car(); "

@@ -26,6 +26,7 @@ def one_ramp(place, drop, start=-60.0, end=25.0):
     return bc.RoadProfile([start, place, place + 0.1, end], [0, 0, -drop, -drop])
 
 
+@pytest.mark.slow
 def test_a_linear_daf_is_that_of_the_control_library(bridge, truck):
     """Of ramps on the bridge and before it, down and up: within 1e-4 of the static moment."""
     for place, drop in ((-5.0, 0.02), (6.0, -0.01)):

@@ -951,6 +951,7 @@ def test_what_is_warned_of_a_packed_open_crg_file_names_it(
     assert [(str(one.message), one.filename) for one in told] == [(f"{path}: a note", __file__)]
 
 
+@pytest.mark.slow
 def test_a_packed_file_may_not_unfold_without_end(
     write: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -99,6 +99,7 @@ def test_the_force_limit_of_a_constant_damper_counts(roads, board):
     assert constant.values["dae"][0] == pytest.approx(board.values["dae"][0], abs=1e-4)
 
 
+@pytest.mark.slow
 def test_several_processes_and_a_resumed_run_find_the_same_to_the_bit(roads, board, tmp_path):
     file = tmp_path / "score.jsonl"
     scored(roads, STRATEGIES[:1], resume=file)

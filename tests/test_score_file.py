@@ -307,6 +307,7 @@ def test_a_full_disk_is_an_error_of_the_file_and_costs_no_part(file, room):
     assert done == list(NAMES[2 if room < 400 else 3 :])
 
 
+@pytest.mark.slow
 def test_a_process_that_is_killed_while_it_writes_costs_one_part(tmp_path):
     program = (
         "import itertools, numpy as np\n"

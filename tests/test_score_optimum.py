@@ -159,6 +159,7 @@ def test_the_text_has_a_table_of_gaps_only_if_the_optimum_is_known(board):
     assert "clairvoyant" not in score_text(replace(board, optimum={}))
 
 
+@pytest.mark.slow
 def test_with_control_from_the_bridges_start_a_bound_is_proven(roads):
     """Strategies that hold their damping as the bound has it are above it, within 0.003."""
     laws = [Damper(law, sample_time=5e-3) for law in STRATEGIES[:3]]

@@ -239,6 +239,7 @@ def test_of_one_way_the_mean_is_that_of_a_smooth_road(bridge, truck):
     assert one.class_dae(4 * 16e-6).sd == pytest.approx(closed.sd)
 
 
+@pytest.mark.slow
 def test_a_class_tells_the_bridgehook_from_the_passive_damper_as_simulation_does(
     bridge, truck, hooked, surface
 ):

@@ -163,6 +163,7 @@ def test_a_preset_takes_the_damping_of_the_largest_least_force(bridge, truck, ro
     assert np.all(ramps.daf_smooth >= one.daf_smooth)
 
 
+@pytest.mark.slow
 def test_the_clairvoyant_holds_the_tire_on_the_road(bridge, truck):
     bump = bc.RoadProfile([-20, 5, 5.5, 6, 25], [0, 0, 0.01, 0, 0])
     case = bridge, truck, 25.0, bump, 1e3, 30e3

@@ -32,6 +32,7 @@ def random_program(seed, n=4):
     return np.sort(rng.uniform(-2, 8, n)), rng.uniform(1e3, 30e3, n)
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(seed=st.integers(0, 100_000), recovery=st.sampled_from(["exact", "li2006", "modal"]))
 def test_the_daf_is_that_of_the_program_in_the_loop(seed, recovery):

@@ -196,6 +196,7 @@ def test_the_usual_tail_is_a_small_part_of_many_crossings():
     assert [usual_exceedances(n) for n in (10, 1000, 10_000, 1_000_000)] == [30, 52, 209, 3808]
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("method", THRESHOLD_FIRST)
 def test_a_fit_of_the_right_kind_is_seldom_found_far_off(method):
     """p values of right fits are spread from 0 to 1."""

@@ -31,6 +31,7 @@ TRUCK = bc.Vehicle(
 )
 
 
+@pytest.mark.quick_cases(1)
 @needs_reference
 @pytest.mark.parametrize("name", ["g_T5airct_SS25_smooth_25", "g_QCct_SS25_ramp_25"])
 def test_reference_cases_are_met_within_2e_4(name):

@@ -287,6 +287,7 @@ def test_ramps_by_the_control_library_do_the_same_to_traffic():
     np.testing.assert_allclose(fast.daf_unit, slow.daf_unit, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_tire_from_the_other_end_leaves_the_road_on_its_own():
     bump = bc.RoadProfile([-5, 27, 27.25, 27.5, 60], [0, 0, -0.08, 0, 0])
     pair = bc.convoy([CAR, CAR], [0, 5], opposite=[False, True])

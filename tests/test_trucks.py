@@ -67,7 +67,7 @@ def test_matrices_offsets_and_loads_are_those_of_an_independent_solution(referen
     )
 
 
-@pytest.mark.quick_cases(4)
+@pytest.mark.quick_cases(2)
 @needs_reference
 @pytest.mark.parametrize(
     "name",

@@ -29,6 +29,7 @@ def few():
     return validate(FEW, spans=[25], n_random=20)
 
 
+@pytest.mark.slow
 def test_the_eight_roads_are_good_and_cover_the_longest_case():
     roads = good_roads()
     assert len(roads) == 8
@@ -160,6 +161,7 @@ def test_json_holds_every_case_at_every_speed(capsys):
     assert abs(result["largest_peak_difference"]) == max(differences)
 
 
+@pytest.mark.slow
 def test_the_figure_has_the_papers_panels_with_units(few, tmp_path):
     figure = validation_figure(few)
     assert len(figure.axes) == 8 * 3 + 2

@@ -188,7 +188,7 @@ def test_on_rock_the_tires_of_a_half_car_have_the_forces_of_quarter_cars_on_thei
 # Against the linear crossing
 
 
-@pytest.mark.quick_cases(2)
+@pytest.mark.quick_cases(1)
 @pytest.mark.filterwarnings("ignore:start = :bridgectl.PlausibilityWarning")
 @pytest.mark.parametrize("effect", ["moment", "tire_force_2", bc.Moment(8.0), bc.Deflection()])
 @pytest.mark.parametrize("truck", [half_car, five_axles])

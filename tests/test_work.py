@@ -94,6 +94,7 @@ HOPELESS = {
 }  # fmt: skip
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.filterwarnings("ignore:the axle moves at", "ignore:damper .* is a rigid link")
 @pytest.mark.parametrize("case", HOPELESS)
 def test_hopeless_work_is_refused_at_once_with_its_cause_and_what_would_do(bridge, truck, case):
