@@ -264,7 +264,7 @@ found.to_csv(sys.argv[2])
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are killed as POSIX has it")
-def test_a_study_killed_10_times_ends_as_if_it_never_was(tmp_path):
+def test_a_study_killed_20_times_ends_as_if_it_never_was(tmp_path):
     def start(name):
         command = [sys.executable, "-c", STUDY, str(tmp_path / f"{name}.jsonl"),
                    str(tmp_path / f"{name}.csv")]  # fmt: skip
@@ -273,7 +273,7 @@ def test_a_study_killed_10_times_ends_as_if_it_never_was(tmp_path):
     assert start("whole").wait() == 0
     kills = 0
     rng = np.random.default_rng(1)
-    while kills < 10:
+    while kills < 20:
         process = start("killed")
         time.sleep(rng.uniform(1.2, 2.0))
         if process.poll() is None:

@@ -89,7 +89,7 @@ def test_ctrl_c_ends_the_program_and_its_workers_quietly(tmp_path, moment):
 @LINUX
 @pytest.mark.slow
 def test_ctrl_c_is_quiet_at_every_moment(tmp_path):
-    for i in range(0, 8, 2):
+    for i in range(8):
         folder = tmp_path / str(i)
         folder.mkdir()
         assert_interrupted(folder, libraries_load, 0.25 * i)
