@@ -101,7 +101,7 @@ def test_how_the_others_do_is_counted(board, capsys):
     print_verdict(board)
     text = " ".join(capsys.readouterr().out.split())
     (row,) = (row for row in board.rows() if row.strategy == "skyhook")
-    word = "clearly" if row.daf_difference.clear else "not to be told from"
+    word = "clearly" if row.daf_difference.clear else "not distinguishable from"
     assert f"Of the others, skyhook is {word}" in text
     assert "passive 7 kN s/m on these roads." in text
 

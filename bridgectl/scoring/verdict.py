@@ -100,7 +100,7 @@ def _others(board: Board, rows: Sequence[Row], own: Row) -> str:
     groups = {
         "clearly better than": [row for row in clear if row.daf_difference.mean < 0],
         "clearly worse than": [row for row in clear if row.daf_difference.mean > 0],
-        "not to be told from": [row for row in others if not row.daf_difference.clear],
+        "not distinguishable from": [row for row in others if not row.daf_difference.clear],
     }
     told: list[str] = []
     for what, found in groups.items():
