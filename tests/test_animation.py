@@ -79,6 +79,7 @@ def test_the_deflection_drawn_is_that_of_the_response_times_the_factor_told(brid
     assert np.abs(drawn).max() > 4e-4  # about the static deflection, 0.66 mm
 
 
+@pytest.mark.slow
 def test_the_curves_are_moment_and_tire_force_of_the_response(bridge, truck, road):
     law = skyhook(1e3, 30e3)
     animation = crossing_animation(
@@ -159,6 +160,7 @@ def line_of(body):
     return along.transform([(left, body.get_y()), (left + width, body.get_y())])
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:start = -20 m:UserWarning")  # a short approach will do
 @pytest.mark.parametrize("name", ["T5", "T5tridem"])
 def test_the_bodies_of_a_truck_roll_over_the_road_joined_at_the_hinge(bridge, road, name):

@@ -91,6 +91,7 @@ def test_workers_and_resumption_change_no_bit(bridge, fleet, roads, tmp_path, op
     assert same(assess(bridge, fleet, roads, resume=file, **options), whole)
 
 
+@pytest.mark.slow
 def test_shares_of_another_size_change_no_bit(bridge, fleet, roads, monkeypatch):
     whole = assess(bridge, fleet, roads)
     monkeypatch.setattr(studies, "SHARE", 500)

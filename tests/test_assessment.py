@@ -402,7 +402,7 @@ FIGURES = {
 }
 
 
-@pytest.mark.quick_cases(1)
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_draws")
 @pytest.mark.parametrize("options", FIGURES.values(), ids=FIGURES)
 def test_the_figure_has_units_and_draws_what_the_methods_tell(two_roads, options):

@@ -108,6 +108,7 @@ def test_paper_prints_every_printed_number_beside_ours(capsys, tmp_path):
     assert picture.stat().st_size > 50_000
 
 
+@pytest.mark.slow
 def test_paper_json_holds_the_differences(capsys):
     _, out, _ = run_command(capsys, "paper", "--json")
     rows = json.loads(out)["results"]

@@ -182,6 +182,7 @@ def test_an_interruption_keeps_what_is_done_and_says_where(capsys, monkeypatch, 
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_figure_is_drawn(capsys, tmp_path):
     picture = tmp_path / "score.png"
     status, out, _ = run(capsys, *TWO, "--plot", picture)

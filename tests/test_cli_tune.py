@@ -27,6 +27,7 @@ def test_a_program_is_tuned_drawn_and_printed(capsys, tmp_path):
     assert picture.stat().st_size > 20_000
 
 
+@pytest.mark.slow
 def test_json_is_of_the_roads_that_score_has(capsys):
     """The first ones are trained on, the next ones held out; gains begin as the library's."""
     options = ["--strategy", " Continuous  skyhook", "--gains", "gain", "--softness", "0.01"]

@@ -54,6 +54,7 @@ def test_creeping_gives_a_daf_of_1_for_every_number_of_modes(truck, n_modes):
     assert bc.daf(beam, truck, 0.5) == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("n_modes", [1, 3, 6])
 def test_an_undamped_bridge_still_rings_from_the_entry_of_a_creeping_truck(truck, n_modes):
     """The ringing of mode 1 is 8 alpha / pi^2 of the static moment: 2.0e-3 at 0.5 m/s.

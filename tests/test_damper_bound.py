@@ -56,6 +56,7 @@ def test_no_damping_switched_between_its_bounds_is_below_and_the_best_is_found(b
     assert found.interval == (found.bound, found.lowest)
 
 
+@pytest.mark.slow
 def test_no_damping_of_two_dampers_is_below(bridge):
     half = half_car(np.random.default_rng(4), 3e4)
     case = bridge, half, SPEED, bc.iso8608_profile("B", 40, seed=2, start=-15), SOFT, STIFF
@@ -104,6 +105,7 @@ def test_strategies_on_the_same_grid_are_above(bridge, truck):
         assert daf[0, 0] > found.bound
 
 
+@pytest.mark.slow
 def test_control_from_further_before_the_bridge_can_do_more(bridge, truck):
     case = bridge, truck, SPEED, road(5), SOFT, STIFF
     late, early = (damper_bound(*case, free_from=x, start=START, step=0.05) for x in (0, -4.5))

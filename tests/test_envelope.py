@@ -62,6 +62,7 @@ def test_effects_at_one_place_are_those_of_single_calls_but_for_round_off(spans,
     assert many == pytest.approx(singly(bc.daf, effects, *given, start=-20), rel=1e-12, abs=0)
 
 
+@pytest.mark.slow
 def test_effects_at_many_places_are_those_of_single_calls(spans, truck, road):
     """Within 1e-9 of the largest: cells end where any effect has a kink, not only its own."""
     effects = [
@@ -95,6 +96,7 @@ def test_a_list_is_propagated_once(bridge, truck, monkeypatch):
     assert len(calls) == 1
 
 
+@pytest.mark.slow
 def test_a_list_by_the_control_library_agrees(bridge, truck):
     effects = [bc.Moment(10.0), "deflection"]
     options = {"effect": effects, "progress": False}

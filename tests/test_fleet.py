@@ -160,6 +160,7 @@ def within(values, mean, sd, kurtosis=3.0, times=4.0):
     assert abs(np.std(values) - sd) < times * sd * math.sqrt((kurtosis - 1) / (4 * n))
 
 
+@pytest.mark.slow
 def test_what_is_drawn_has_the_moments_that_were_stated():
     """Of 1500 trucks: each interval is four standard deviations, missed once in 16 000 seeds."""
     fleet = mixed(kinds={"T2": 3, "T5": 7})

@@ -200,6 +200,7 @@ def test_a_crossing_has_its_own_numbers_to_the_bit_whatever_is_beside_it(mixed, 
     assert same(some(mixed, which), found)
 
 
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("count", [2, 7, 64, 200])
 def test_copies_of_a_crossing_are_the_same_to_the_bit_in_batches_of_any_size(bridge, mixed, count):
     for i in range(3):
@@ -225,6 +226,7 @@ def test_places_times_and_least_forces_are_those_of_the_response(bridge):
     assert not found.lifts_off.any()
 
 
+@pytest.mark.slow
 def test_a_tire_that_leaves_the_road_has_the_single_route_and_leaves_the_others_alone(bridge):
     vehicles, speeds, roads = fleet(11, 6)
     calm = many_crossings(bridge, vehicles, speeds, roads, start=START)
@@ -394,6 +396,7 @@ def test_peaks_are_factors_times_static_peaks_and_one_speed_and_road_stand_for_a
     assert found[0] == pytest.approx(factors * moments)
 
 
+@pytest.mark.slow
 def test_responses_of_a_sequence_are_those_of_each(bridge):
     vehicles, speeds, roads = fleet(18, 3)
     options = {"start": START, "effects": {"quarter": bc.Moment(6.0)}, "tail": 0.1}

@@ -147,6 +147,7 @@ def test_several_effects_of_a_braking_car_are_those_of_the_other_route():
     np.testing.assert_allclose(bc.daf(BEAM, CAR, STOPPING, start=-8.0), fast[0, :1], atol=1e-8)
 
 
+@pytest.mark.slow
 def test_long_braking_moves_load_to_the_front_axle():
     braking = bc.Motion(30.0, acceleration=[0, -2], changes=[-300])
     found = bc.crossing_response(BEAM, TRUCK, braking, start=-310)

@@ -77,6 +77,7 @@ def test_the_steps_tend_to_the_closed_loop_with_the_square_of_their_length(bridg
     assert errors[2] < 0.35 * errors[1] + 5e-5
 
 
+@pytest.mark.slow
 def test_a_smooth_road_leaves_even_the_clairvoyant_little_to_do(bridge, truck):
     smooth = bc.RoadProfile([-5, 25], [0, 0])
     found = clairvoyant(bridge, truck, SPEED, smooth, SOFT, STIFF, start=-5, step=0.02)
@@ -127,6 +128,7 @@ def test_other_sections_recoveries_and_starts_on_the_bridge_are_simulated_alike(
     assert found.daf < found.passive_daf
 
 
+@pytest.mark.slow
 def test_a_tire_that_leaves_the_road_is_told(bridge, truck):
     kerb = bc.RoadProfile([-10, -1, -0.9, 25], [0, 0, -0.08, -0.08])
     with pytest.warns(bc.LiftOffWarning, match="the best of a crossing without lift-off"):
@@ -134,6 +136,7 @@ def test_a_tire_that_leaves_the_road_is_told(bridge, truck):
     assert found.daf <= found.passive_daf
 
 
+@pytest.mark.slow
 def test_an_optimum_that_the_closed_loop_does_not_confirm_is_refused(
     bridge, truck, road, monkeypatch
 ):

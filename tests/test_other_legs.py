@@ -45,7 +45,7 @@ def test_a_law_of_other_legs_is_its_fine_integration(truck, seed):
     assert (found.least_force[0, 0] == 0) == (fine.least == 0) == lift_off
 
 
-@pytest.mark.quick_cases(2)
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("signal", SIGNALS)
 def test_a_legs_own_signal_by_its_name_or_number_is_its_own(bridge, vehicle, road, signal):
     """With noise of each sensor, which is the same whoever listens."""

@@ -246,6 +246,7 @@ def test_a_beam_that_was_told_is_not_told_again_by_its_crossings(told, truck):
     assert len(told) == 1
 
 
+@pytest.mark.slow
 def test_a_script_is_told_its_own_line(tmp_path):
     script = tmp_path / "study.py"
     script.write_text(

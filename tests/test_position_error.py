@@ -65,6 +65,7 @@ def test_a_crossing_has_one_error_of_its_own_alone_and_in_a_batch(bridge, truck,
     assert np.abs(told(other, bridge, truck, SPEEDS, roads) - errors).min() > 1e-6
 
 
+@pytest.mark.slow
 def test_errors_have_their_mean_and_deviation(bridge, truck):
     speeds, roads = np.linspace(20, 30, 20), iso8608_elevations(20, "A", 35, seed=5)
     damper = Damper(TELLING, position_error=1.0, position_deviation=0.5)
@@ -143,6 +144,7 @@ def test_legs_of_a_truck_have_one_odometer(bridge):
     assert np.ptp(front[0] - rear[0]) < 1e-9
 
 
+@pytest.mark.slow
 def test_told_another_speed_a_damper_has_the_law_of_that_speed(bridge, truck, roads):
     law = bridgehook(bridge, truck, 1e3, 30e3)
     wrong = simulate_loop(bridge, truck, Damper(law, speed_error=0.1), 30.0, X, roads).daf

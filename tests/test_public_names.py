@@ -449,6 +449,7 @@ def test_a_crossing_without_a_damper_does_not_load_casadi():
     subprocess.run([sys.executable, "-c", program], check=True)
 
 
+@pytest.mark.slow
 def test_every_module_is_found_by_its_name_loaded_or_not():
     program = (
         "import bridgectl as b; assert b.RampSurface is b.surface.surface.RampSurface; "

@@ -179,6 +179,7 @@ def test_the_figure_draws_the_numbers(figure, found):
         assert points[:, 1] == pytest.approx(np.interp(points[:, 0], 1e3 * at.heights, at.daf))
 
 
+@pytest.mark.slow
 def test_four_dampers_take_two_rows_and_flights_are_marked(bridge, truck):
     laws = [passive(c) for c in (3e3, 7e3, 12e3, 20e3)]
     figure = ramp_height_figure(

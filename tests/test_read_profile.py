@@ -1094,6 +1094,7 @@ def test_a_damaged_file_is_read_or_refused_and_the_fast_path_agrees(
         assert_read_or_refused(path, units="m,m")
 
 
+@pytest.mark.slow
 @given(
     data=st.binary(max_size=60)
     | st.text("0123456789.,;-+eE_ \t\r\n#%/xzm[]()naif\x1c\x85\xa0", max_size=80).map(str.encode)

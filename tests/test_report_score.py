@@ -101,6 +101,7 @@ def test_five_sentences_tell_what_dae_ranks_and_what_not(board):
     assert " ".join(lines) in " ".join(score_text(board).split())
 
 
+@pytest.mark.slow
 def test_whether_both_have_the_same_best_is_told(board):
     best = min(board.class_rows("A"), key=lambda row: row.dae).strategy
     moves = [-0.3 if name == best else 0.0 for name in board.strategies]

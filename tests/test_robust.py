@@ -296,6 +296,7 @@ def test_the_figure_draws_every_change_above_and_below_a_zero_line(found):
 # Work that goes on, and arguments
 
 
+@pytest.mark.slow
 def test_what_a_file_has_is_not_done_again(tmp_path, monkeypatch):
     file = tmp_path / "robust.jsonl"
     part, done = robust._part, []

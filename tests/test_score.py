@@ -174,6 +174,7 @@ def test_pandas_and_json_have_every_number(board):
 # What is kept
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_goes_on_where_it_stopped(roads, board, tmp_path, monkeypatch):
     file, whole, done = tmp_path / "score.jsonl", scoring._part, []
 
@@ -228,6 +229,7 @@ def test_a_vehicle_that_differs_in_the_last_digits_is_another_study(roads, tmp_p
         )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_other_roads_of_a_file_are_done_again(roads, tmp_path):
     file = tmp_path / "score.jsonl"
     scored(roads[:1], STRATEGIES[:1], resume=file)

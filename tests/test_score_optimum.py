@@ -79,6 +79,7 @@ def test_gaps_closed_are_ratios_of_mean_gains(found):
     assert rows["bridgehook"].gap_closed == found.gap_closed("bridgehook")
 
 
+@pytest.mark.slow
 def test_optima_that_a_file_has_are_not_sought_again(found, roads, file, monkeypatch):
     def never(*_):
         raise AssertionError("it is in the file")
@@ -92,6 +93,7 @@ def test_optima_that_a_file_has_are_not_sought_again(found, roads, file, monkeyp
         scored(roads, STRATEGIES[:1], SPEEDS[:1], clairvoyant=True, resume=file)
 
 
+@pytest.mark.slow
 def test_at_each_speed_the_gap_is_that_speeds(board):
     daf = board.values["daf"]
     for j, (speed, gap) in enumerate(zip(SPEEDS, (0.05, 0.1), strict=True)):
@@ -124,6 +126,7 @@ def test_small_gaps_mean_nothing_and_single_roads_have_no_interval(board):
     assert np.all(np.isnan(replace(board, optimum={}).gap_closed("bridgehook")))
 
 
+@pytest.mark.slow
 def test_tables_and_json_have_the_gap_of_each_crossing_and_of_all(board):
     frame = board.to_pandas()
     row = frame.loc[("bridgehook", board.roads[0], SPEEDS[1])].iloc[0]  # roads of one name
@@ -181,6 +184,7 @@ def test_further_before_the_bridge_and_of_too_many_dampings_no_bound_is_told(fou
     assert np.isnan(slow.optimum["daf_bound"]).all()
 
 
+@pytest.mark.slow
 def test_the_figure_has_the_optimum_and_previews_in_the_order_of_their_distance(board):
     figure = score_figure(board)
     ax, below = figure.axes[0], figure.axes[2]

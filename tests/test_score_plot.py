@@ -101,7 +101,7 @@ def test_the_legend_tells_the_first_strategy_and_the_best(figure, board):
     assert "constant dampers" in entries
 
 
-@pytest.mark.quick_cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("strategies", [STRATEGIES[:1], STRATEGIES[2:3], STRATEGIES[:2]])
 def test_few_strategies_at_one_speed_can_be_drawn(strategies, tmp_path):
     figure = make_board(strategies, [80]).plot()

@@ -88,7 +88,7 @@ def test_odd_and_even_effects_of_a_law_are_those_of_the_control_library(name, se
     assert found == pytest.approx(expected, abs=1e-4)
 
 
-@pytest.mark.quick_cases(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("height", [0.03, 0.08])
 @pytest.mark.parametrize("damper", [None, "passive"])
 def test_a_ramp_that_lifts_the_tire_is_simulated_with_flight(bridge, truck, height, damper):

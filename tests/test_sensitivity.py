@@ -47,6 +47,7 @@ def test_the_daf_is_that_of_the_program_in_the_loop(seed, recovery):
     assert found.daf == pytest.approx(looped.daf[0], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_of_many_roads_each_is_the_crossing_of_that_road(bridge, truck, roads):
     """Within 1e-6 of `daf`, and to the last digits what it is on its own."""
     x, z = roads

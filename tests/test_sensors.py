@@ -201,7 +201,7 @@ def test_a_kalman_filter_knows_the_damping_that_it_commands(damping):
 # The strategies behind them
 
 
-@pytest.mark.quick_cases(3)
+@pytest.mark.quick_cases(1)
 @pytest.mark.parametrize("kind", FILTERS)
 @pytest.mark.parametrize("law", [skyhook(SOFT, STIFF), groundhook(SOFT, STIFF), HOOK])
 def test_a_strategy_behind_sensors_is_the_same_in_batch_as_in_casadi(roads, kind, law):
@@ -372,6 +372,7 @@ def test_a_law_for_each_speed_stays_one(tmp_path):
     assert measured(skyhook(SOFT, STIFF), FILTERS["kalman"]).to_c(tmp_path / "sky.c").stat().st_size
 
 
+@pytest.mark.slow
 def test_constant_and_preset_dampers_stay_what_they_are_behind_sensors(roads):
     still = measured(passive(7e3), FILTERS["accelerometers"])
     assert Damper(still).constant == 7e3

@@ -121,6 +121,7 @@ def test_the_prediction_starts_there_too():
     np.testing.assert_allclose(state, found.states[:, -1], atol=1e-9)  # m, m/s
 
 
+@pytest.mark.slow
 def test_a_tire_that_leaves_the_road_does_so_from_the_same_start():
     road = bc.RoadProfile([-60, -43, -42.9, -6, -5.5, 25], [0.0, 0.0, 0.01, 0.01, -0.11, -0.11])
     both = []

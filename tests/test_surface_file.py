@@ -441,6 +441,7 @@ def test_a_damaged_file_is_read_as_it_was_or_refused_with_one_line(file, small, 
     assert 2 < read < count / 2  # else the damage is of one kind
 
 
+@pytest.mark.slow
 @MANY
 def test_a_damaged_header_is_refused_with_one_line(file, small, seed, count):
     """The zip archive's own sum of bytes is right: what it says is not."""

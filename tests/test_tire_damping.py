@@ -96,7 +96,7 @@ def test_the_convective_term_is_that_of_an_own_integration_within_5e_6():
     assert abs(own[0] - own[1]) > 2e-5  # what is compared is there
 
 
-@pytest.mark.quick_cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("vehicle", [CAR, TRUCK])
 def test_both_routes_give_the_same_peaks(vehicle):
     road = rough_road(3, -14.0, 25.0, step=0.5)

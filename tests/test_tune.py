@@ -173,7 +173,7 @@ def best_constant(roads):
     return min(dafs)
 
 
-@pytest.mark.quick_cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["gradient", "generations"])
 def test_a_program_of_one_place_becomes_the_best_constant_damper(method):
     """Not more than 5e-5 above the best of 40 that another engine finds; 0.008 are gained."""

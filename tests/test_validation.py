@@ -141,6 +141,7 @@ def test_every_case_is_printed_with_the_summary(capsys):
     assert max(len(line.rstrip()) for line in tables.splitlines()) <= 100
 
 
+@pytest.mark.slow
 def test_json_holds_every_case_at_every_speed(capsys):
     status, out, err = run_command(
         capsys, "validate", "--spans", "25", "--speeds", "66,100,108", "--json"

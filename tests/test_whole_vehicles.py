@@ -167,7 +167,7 @@ def test_a_half_car_without_coupling_inertia_is_two_quarter_cars(bridge, roads, 
     assert found[0] == pytest.approx(found[1], abs=1e-6 if name == "bridgehook" else 1e-9)
 
 
-@pytest.mark.quick_cases(1)
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::bridgectl.PlausibilityWarning")  # a bridge of rock
 @pytest.mark.parametrize("law", [skyhook(SOFT, STIFF), dampers.tire_groundhook(SOFT, STIFF)])
 def test_on_rock_the_tires_of_a_half_car_have_the_forces_of_quarter_cars_on_their_own(roads, law):

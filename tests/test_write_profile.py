@@ -42,6 +42,7 @@ def written(tracks: list[RoadProfile], name: str) -> list[RoadProfile]:
         return read_tracks(Path(folder, name))
 
 
+@pytest.mark.slow
 @given(tracks=roads(even=False))
 @settings(max_examples=200, deadline=None)
 def test_csv_keeps_every_digit(tracks: list[RoadProfile]) -> None:
