@@ -178,6 +178,23 @@ def test_what_speaks_against_the_dae_is_told(capsys, tmp_path):
     assert "nothing speaks against it at any speed" in level
 
 
+def test_a_bridge_file_may_state_the_section_modulus(capsys, tmp_path):
+    file = tmp_path / "own.toml"
+    own = "spans = 25\nmass_per_length = 18e3\nfrequency = 4.1\n"
+    file.write_text(f"{own}section_modulus = 1.1\n", encoding="utf-8")
+    stated = told(capsys, *DAE, "--bridge", file)
+    assert "MPa" in stated
+    assert "--section-modulus" not in stated  # which is what to type next where there is none
+    assert "MPa" not in told(capsys, *DAE, "--bridge", file, "--effect", "shear@0")
+    twice = told(capsys, *DAE, "--bridge", file, "--section-modulus", "2.2")
+    file.write_text(own, encoding="utf-8")
+    assert told(capsys, *DAE, "--bridge", file, "--section-modulus", "1.1") == stated
+    assert told(capsys, *DAE, "--bridge", file, "--section-modulus", "2.2") == twice
+    file.write_text(f"{own}section_modulus = 350e6\n", encoding="utf-8")
+    _, _, err = run_command(capsys, *DAE, "--bridge", file)
+    assert f"{file}: section_modulus must be in m^3, 1e-05 to 1000, got 3.5e+08: type 0.35" in err
+
+
 @pytest.mark.parametrize(
     ("effects", "rows"),
     [

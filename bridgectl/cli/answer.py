@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import bridgectl as bc
 from bridgectl import _checks as check
+from bridgectl.cli.bridge_file import section_modulus
 from bridgectl.cli.commands.shared import VEHICLE
 from bridgectl.cli.effects import Asked
 
@@ -25,20 +26,29 @@ ROAD, FILE, BRIDGE, TRUCK, STRESS, FULL = (
 
 
 def checked_modulus(args: argparse.Namespace, asked: Sequence[Asked]) -> float | None:
-    """Return --section-modulus [m^3], if it makes sense for what is asked."""
-    if args.section_modulus is None:
+    """Return --section-modulus, or that of --bridge [m^3], if it makes sense for what is asked.
+
+    `args` then has it, so that `next_steps` does not ask for it.
+    """
+    stated, where = args.section_modulus, "--section-modulus"
+    of_moment = any(isinstance(each.effect, bc.Moment) for each in asked)
+    if stated is None and args.bridge is not None:
+        stated, where = section_modulus(args.bridge), f"{args.bridge}: section_modulus"
+        stated = stated if of_moment else None
+    if stated is None:
         return None
-    modulus = check.positive("--section-modulus", args.section_modulus, unit="m^3")
+    modulus = check.positive(where, stated, unit="m^3")
     if not MODULI[0] <= modulus <= MODULI[1]:
         raise ValueError(
-            f"--section-modulus must be in m^3, {MODULI[0]:g} to {MODULI[1]:g}, got {modulus:g}: "
+            f"{where} must be in m^3, {MODULI[0]:g} to {MODULI[1]:g}, got {modulus:g}: "
             "type 0.35 for 350e6 mm^3"
         )
-    if not any(isinstance(each.effect, bc.Moment) for each in asked):
+    if not of_moment:
         raise ValueError(
             f"--section-modulus gives the stress of a moment, and {asked[0].name} is none: leave "
             "it out, or type --effect moment"
         )
+    args.section_modulus = modulus
     return modulus
 
 

@@ -25,6 +25,10 @@ Keys of a bridge of modes, those of `bridgectl.ModalBridge`::
       influence         static effect of 1 N at each [N m or N]
       modal             effect of each mode's shape
 
+Of either, for the stresses of moments::
+
+    section_modulus     of the fibre that they are told of [m^3]
+
 Other keys are errors. Every error names the file, and the key or the line.
 """
 
@@ -47,11 +51,14 @@ from bridgectl.cli.commands.bridge import EXAMPLE, N_MODES
 from bridgectl.model.modal_table import read_modes
 from bridgectl.model.told import told
 
+MODULUS = "section_modulus"
+"""What is of the stresses that are told, and not of the bridge."""
+
 OF_SPANS = (
     "spans", "mass_per_length", "flexural_rigidity", "frequency", "supports", "n_modes",
-    "damping_ratio",
+    "damping_ratio", MODULUS,
 )  # fmt: skip
-OF_MODES = ("modes", "modal_masses", "mass_per_length", "damping_ratio", "effects")
+OF_MODES = ("modes", "modal_masses", "mass_per_length", "damping_ratio", "effects", MODULUS)
 LINE = ("places", "influence", "modal")
 OF_EFFECT = ("quantity", "at", *LINE)
 QUANTITIES = ("moment", "shear", "reaction")
@@ -69,13 +76,14 @@ STIFFEST = 1e4
 
 def read_bridge(name: str) -> Beam | Bridge | ModalBridge:
     """Return the bridge of a file, or that of the example that ships."""
-    path = EXAMPLE if name == "example" else Path(name)
+    path = _path(name)
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
         try:
-            content = parsed(path, "bridge", LOOKS["spans"], "example")
+            content = _content(path)
             of_modes = "modes" in content
             _require_known("", content, OF_MODES if of_modes else OF_SPANS)
+            content.pop(MODULUS, None)
             bridge = _modal_bridge(path, content) if of_modes else _of_spans(content)
         except (TypeError, ValueError) as error:
             raise ValueError(f"{path}: {_in_toml(str(error))}") from None
@@ -83,6 +91,19 @@ def read_bridge(name: str) -> Beam | Bridge | ModalBridge:
         text = re.sub(r"\btype (\w+)=", r"type \1 = ", str(each.message))
         warnings.warn(f"{path}: {text}", each.category, stacklevel=2)
     return bridge
+
+
+def section_modulus(name: str) -> Any:
+    """Return what a file states of the fibre whose stress is told [m^3], None if nothing."""
+    return _content(_path(name)).get(MODULUS)
+
+
+def _path(name: str) -> Path:
+    return EXAMPLE if name == "example" else Path(name)
+
+
+def _content(path: Path) -> dict[str, Any]:
+    return parsed(path, "bridge", LOOKS["spans"], "example")
 
 
 def _require_known(where: str, given: Mapping[str, Any], known: tuple[str, ...]) -> None:

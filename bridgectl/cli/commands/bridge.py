@@ -20,7 +20,8 @@ that ships, which '--bridge example' takes:
 
 {example}
 Or it has modes = "modes.csv", a table with a column a mode, and [[effects]] that they tell:
-quantity = "moment", at = 12.5, places, influence, modal. See bridgectl/cli/bridge_file.py."""
+quantity = "moment", at = 12.5, places, influence, modal. section_modulus = 1.1 gives stresses, as
+--section-modulus does. See bridgectl/cli/bridge_file.py."""
 
 EFFECT_HELP = """\
 NAME@METRES, several separated by commas; the place counts from the start of the bridge, halfway if
