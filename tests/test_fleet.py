@@ -379,6 +379,12 @@ def test_a_wrong_argument_is_told_with_what_to_type(changed, says):
         mixed(**changed)
 
 
+@pytest.mark.parametrize("changed", [{"speed": -5}, {"speed": "fast"}, {"seed": -1}])
+def test_an_argument_beside_a_file_is_told_without_the_file(changed):
+    with pytest.raises((TypeError, ValueError), match=rf"^{next(iter(changed))} must be "):
+        bc.Fleet.load("monte_carlo", **changed)
+
+
 TWICE = '[[kinds]]\nname = "two"\nshare = 1\ntruck = "T2"\n'
 
 

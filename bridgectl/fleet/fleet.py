@@ -150,10 +150,12 @@ class Fleet:
         >>> bc.Fleet.load("monte_carlo", seed=1)
         Fleet(50 % two axles, 50 % five axles, 10 to 16 m/s, seed=1)
         """
-        path = _fleet_path(name)
+        path, drawn = _fleet_path(name), _seed(seed)
+        if speed is not None:  # a mistake of the caller's is none of the file's
+            positive("speed", speed, "m/s")
         try:
             content = parsed(path, "fleet", LOOKS["share"], "monte_carlo, which ships")
-            source = Drawn(kinds_of(content, speed), _seed(seed))
+            source = Drawn(kinds_of(content, speed), drawn)
         except (TypeError, ValueError) as error:
             raise ValueError(f"{path}: {error}") from None
         for kind in source.kinds:
