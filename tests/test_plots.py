@@ -48,6 +48,22 @@ def test_the_dae_figure_draws_the_surfaces_own_numbers(surface):
     assert curves["superposed DAF"] == pytest.approx(curves["simulated DAF"])
 
 
+@pytest.mark.parametrize(
+    ("elevation", "expected"),
+    [
+        ([0, 0, -0.002, -0.002], ["raises it", "1 largest"]),
+        ([0, 0, 0.002, 0.002], ["lowers it", "1 largest"]),
+        ([0, 0, 0, 0], []),
+    ],
+)
+def test_a_legend_names_what_is_drawn_of_a_road_with_one_ramp(bridge, truck, elevation, expected):
+    surface = bc.ramp_surface(bridge, truck, [110 / 3.6], ramp_length=0.5)
+    figure = dae_figure(surface, bc.RoadProfile([0, 8.0, 8.5, 25], elevation))
+    (axes,) = (axes for axes in figure.axes if "contribution" in axes.get_ylabel())
+    legend = axes.get_legend()
+    assert ([] if legend is None else [text.get_text() for text in legend.get_texts()]) == expected
+
+
 def test_without_an_approach_the_bridge_needs_no_enlargement(bridge, truck):
     surface = bc.ramp_surface(bridge, truck, [20.0, 30.0])
     figure = dae_figure(surface, bc.li2006.fig7_road())

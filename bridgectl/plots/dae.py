@@ -78,7 +78,8 @@ def dae_figure(
     equation = _sum(surface.daf_smooth[critical], effects)
     below.set_title(equation if len(windows) > 1 else f"at {kmh:.4g} km/h: {equation}")
     # The right half of a bridge is nearly free: ramps there come after the peak.
-    below.legend(loc="upper right")
+    if np.any(effects):
+        below.legend(loc="upper right")
     return figure
 
 
@@ -144,10 +145,12 @@ def _draw_contributions(
     ax.axvspan(0, surface.beam.length, color=style.BRIDGE_TINT, zorder=0)
     for sign, color, label in ((1, style.VERMILLION, "raises it"), (-1, style.BLUE, "lowers it")):
         of_sign = sign * effects > 0
-        ax.vlines(x[of_sign], 0, effects[of_sign], color=color, lw=1.1, label=label)
-    largest = np.argsort(-np.abs(effects), kind="stable")[:MARKED]
-    seen = largest[(x[largest] > window[0]) & (effects[largest] != 0)]
-    ax.plot(x[seen], effects[seen], "o", ms=4, color=style.BLACK, label=f"{MARKED} largest")
+        if of_sign.any():
+            ax.vlines(x[of_sign], 0, effects[of_sign], color=color, lw=1.1, label=label)
+    if marked := min(MARKED, np.count_nonzero(effects)):
+        largest = np.argsort(-np.abs(effects), kind="stable")[:marked]
+        seen = largest[x[largest] > window[0]]
+        ax.plot(x[seen], effects[seen], "o", ms=4, color=style.BLACK, label=f"{marked} largest")
     ax.axhline(0, color=style.GREY, lw=0.8)
     ax.set_xlabel(style.STATION_LABEL)
     ax.margins(y=0.12)
