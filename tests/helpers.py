@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import ctypes
 import dataclasses
+import importlib.util
 import subprocess
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
+from types import ModuleType
 
 import control as ct
 import numpy as np
@@ -26,6 +28,14 @@ def rough_road(
     rng = np.random.default_rng(seed)
     x = start + step * np.arange(round((stop - start) / step) + 1)
     return bc.RoadProfile(x, np.cumsum(rng.normal(0.0, height, x.size)))
+
+
+def module_of(path: Path) -> ModuleType:
+    """A module of a file outside of the package and the tests."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    found = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(found)
+    return found
 
 
 def run_command(capsys, *arguments) -> tuple[int, str, str]:

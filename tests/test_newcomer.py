@@ -6,7 +6,6 @@ finds is compared with a second route.
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import re
 import runpy
@@ -14,7 +13,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 import control as ct
@@ -22,7 +21,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from helpers import called_in_c, loop_of_the_control_library
+from helpers import called_in_c, loop_of_the_control_library, module_of
 from scipy.stats import genpareto
 
 import bridgectl as bc
@@ -38,14 +37,7 @@ SLOW = {
 }  # fmt: skip
 
 
-def module(name: str, path: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, path)
-    found = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(found)
-    return found
-
-
-SURVEY = module("survey", ROOT / "notebooks" / "pages" / "survey.py")
+SURVEY = module_of(ROOT / "notebooks" / "pages" / "survey.py")
 
 
 @contextmanager

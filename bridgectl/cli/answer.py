@@ -26,10 +26,7 @@ ROAD, FILE, BRIDGE, TRUCK, STRESS, FULL = (
 
 
 def checked_modulus(args: argparse.Namespace, asked: Sequence[Asked]) -> float | None:
-    """Return --section-modulus, or that of --bridge [m^3], if it makes sense for what is asked.
-
-    `args` then has it, so that `next_steps` does not ask for it.
-    """
+    """Return --section-modulus, or that of --bridge [m^3], if it makes sense for what is asked."""
     stated, where = args.section_modulus, "--section-modulus"
     of_moment = any(isinstance(each.effect, bc.Moment) for each in asked)
     if stated is None and args.bridge is not None:
@@ -48,12 +45,16 @@ def checked_modulus(args: argparse.Namespace, asked: Sequence[Asked]) -> float |
             f"--section-modulus gives the stress of a moment, and {asked[0].name} is none: leave "
             "it out, or type --effect moment"
         )
-    args.section_modulus = modulus
     return modulus
 
 
-def next_steps(args: argparse.Namespace, *more: tuple[str, str]) -> str:
-    """Return what may be added to a command: what is not given yet, and then `more`."""
+def next_steps(
+    args: argparse.Namespace, *more: tuple[str, str], modulus: float | None = None
+) -> str:
+    """Return what may be added to a command: what is not given yet, and then `more`.
+
+    `modulus` is that of `checked_modulus`, of commands that tell stresses.
+    """
     given = vars(args)
     own_bridge = any(given.get(name) for name in ("bridge", "length", "spans", "span", "deck"))
     own_truck = any(given.get(name) for name in ("truck", *VEHICLE, "weighed", "fleet"))
@@ -62,7 +63,7 @@ def next_steps(args: argparse.Namespace, *more: tuple[str, str]) -> str:
         (BRIDGE, own_bridge or "bridge" not in given),
         (TRUCK, own_truck or "truck" not in given),
         *((each, False) for each in more),
-        (STRESS, given.get("section_modulus") or "section_modulus" not in given),
+        (STRESS, modulus is not None or "section_modulus" not in given),
         (FULL, args.full),
     ]
     lines = [f"  {what:<14} {words}" for (what, words), done in steps if not done]

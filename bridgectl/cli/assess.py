@@ -68,7 +68,7 @@ def run_assess(args: argparse.Namespace) -> None:
         print(*places, sep="\n", end="\n" * bool(places))
         if args.table is not None:
             print(f"Table: {args.table}")
-        print(next_steps(args, *steps))
+        print(next_steps(args, *steps, modulus=modulus))
 
     def draw() -> dict[Path, Figure]:
         return {

@@ -16,7 +16,7 @@ from bridgectl.cli.effects import ALIASES, EFFECTS
 from bridgectl.cli.score import CONSTANT, PASSIVE, ROLLOUT
 from bridgectl.cli.tune import PROGRAM, tunable
 from bridgectl.dampers import library
-from bridgectl.fleet.fleet import shipped
+from bridgectl.fleet.kinds import shipped
 from bridgectl.fleet.tails import METHODS
 from bridgectl.model.recovery import RECOVERIES
 from bridgectl.model.supports import KINDS as SUPPORTS

@@ -85,7 +85,7 @@ def run_dae(args: argparse.Namespace) -> None:
             print_full(studies)
         else:
             print_short(studies, modulus)
-        print(next_steps(args))
+        print(next_steps(args, modulus=modulus))
 
     options.deliver(args, draw, lambda: json.dumps(dae_json(studies, modulus), indent=1), show)
 

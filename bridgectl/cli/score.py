@@ -100,7 +100,7 @@ def _score(
     def show() -> None:
         if args.full:
             print_full(board, modulus, places)
-        print(next_steps(args))
+        print(next_steps(args, modulus=modulus))
 
     def results() -> str:
         stresses = {} if modulus is None else {

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from hashlib import sha256
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from bridgectl._plausible import judge_speed, judge_truck
 from bridgectl._toml import parsed
 from bridgectl._warn import warn
 from bridgectl.fleet.distributions import positive
-from bridgectl.fleet.kinds import FACTORS, LOOKS, kinds_of
+from bridgectl.fleet.kinds import FACTORS, LOOKS, fleet_path, kinds_of
 from bridgectl.fleet.sources import Drawn, Passing, Weighed
 from bridgectl.fleet.table import read_rows
 from bridgectl.fleet.weighed import DATA, read_unweighed
@@ -150,7 +149,7 @@ class Fleet:
         >>> bc.Fleet.load("monte_carlo", seed=1)
         Fleet(50 % two axles, 50 % five axles, 10 to 16 m/s, seed=1)
         """
-        path, drawn = _fleet_path(name), _seed(seed)
+        path, drawn = fleet_path(name), _seed(seed)
         if speed is not None:  # a mistake of the caller's is none of the file's
             positive("speed", speed, "m/s")
         try:
@@ -385,20 +384,3 @@ class Fleet:
 
 def _seed(seed: int) -> int:
     return _checks.integer("seed", seed, at_least=0)
-
-
-def shipped() -> list[str]:
-    """Return the names of the fleets that ship."""
-    return sorted(path.stem for path in DATA.glob("*.toml") if path.stem != "axles")
-
-
-def _fleet_path(name: Any) -> Path:
-    text = _checks.path("name", name, "monte_carlo")
-    if text.lower().endswith(".toml"):
-        return Path(text)
-    if text in shipped():
-        return DATA / f"{text}.toml"
-    raise ValueError(
-        f"there is no fleet {text!r}: type {' or '.join(shipped())}, or the name of a file "
-        "that ends in .toml"
-    )

@@ -22,11 +22,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from bridgectl import _checks
 from bridgectl._toml import parsed, require_keys, require_known
 from bridgectl.fleet.distributions import Distribution, distribution, positive
+from bridgectl.fleet.weighed import DATA
 from bridgectl.model.trucks.file import LOOKS as OF_TRUCKS
 from bridgectl.model.trucks.file import OF_WHEEL, truck_of, truck_path
 from bridgectl.model.vehicle import Vehicle
@@ -80,6 +82,24 @@ def shares(kinds: Sequence[Kind]) -> list[float]:
     """Share of each kind with all before it, the last 1."""
     sums = list(accumulate(kind.share for kind in kinds))
     return [each / sums[-1] for each in sums]
+
+
+def shipped() -> list[str]:
+    """Return the names of the fleets that ship."""
+    return sorted(path.stem for path in DATA.glob("*.toml") if path.stem != "axles")
+
+
+def fleet_path(name: Any) -> Path:
+    """Return the file of a fleet that ships, or that of a name that ends in .toml."""
+    text = _checks.path("name", name, "monte_carlo")
+    if text.lower().endswith(".toml"):
+        return Path(text)
+    if text in shipped():
+        return DATA / f"{text}.toml"
+    raise ValueError(
+        f"there is no fleet {text!r}: type {' or '.join(shipped())}, or the name of a file "
+        "that ends in .toml"
+    )
 
 
 def kinds_of(content: Mapping[str, Any], speed: Any = None) -> tuple[Kind, ...]:

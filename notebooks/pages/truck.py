@@ -146,27 +146,29 @@ def ramps_and_estimates(kmh: Any, surface: Any, road: Any, simulated: Any) -> Fi
 @style.styled
 def over_damping(factors: Any, largest: Mapping[str, Any]) -> Figure:
     """Largest DAF over the damping of an axle, or of both."""
-    figure = Figure(figsize=(7.5, 3.4), layout="constrained")
-    ax = figure.subplots()
-    for (name, dafs), color in zip(largest.items(), style.TRACKS, strict=False):
-        ax.plot(factors, dafs, "o-", color=color, label=name)
+    figure, ax = _each_dotted(factors, largest, (7.5, 3.4))
     ax.set_xscale("log", base=2)
     ax.set_xticks(factors, [f"{each:g}" for each in factors])
     ax.set(xlabel="damping, over that of the truck [-]", ylabel="largest DAF, 50 to 110 km/h [-]")
-    figure.legend(loc="outside right upper")
     return figure
 
 
 @style.styled
 def controlled(kmh: Any, dafs: Mapping[str, Any]) -> Figure:
     """DAF over speed, for each way to control the dampers."""
-    figure = Figure(figsize=(9, 3.2), layout="constrained")
-    ax = figure.subplots()
-    for (name, daf), color in zip(dafs.items(), style.TRACKS, strict=False):
-        ax.plot(kmh, daf, "o-", color=color, label=name)
+    figure, ax = _each_dotted(kmh, dafs, (9, 3.2))
     ax.set(xlabel=style.SPEED_LABEL, ylabel="DAF [-]", xticks=kmh)
-    figure.legend(loc="outside right upper")
     return figure
+
+
+def _each_dotted(x: Any, curves: Mapping[str, Any], size: tuple[float, float]) -> tuple[Any, Any]:
+    """Draw each curve with its name beside the axes."""
+    figure = Figure(figsize=size, layout="constrained")
+    ax = figure.subplots()
+    for (name, curve), color in zip(curves.items(), style.TRACKS, strict=False):
+        ax.plot(x, curve, "o-", color=color, label=name)
+    figure.legend(loc="outside right upper")
+    return figure, ax
 
 
 def check(names: dict[str, Any]) -> None:
